@@ -1,0 +1,29 @@
+"""What can go wrong, as a small tree; the command line prints each as one line."""
+
+
+class CcgenError(Exception):
+    """Base of every error that a user can cause or mend; `exit_status` is the program's."""
+
+    exit_status = 2
+
+
+class InputError(CcgenError):
+    """Bad input: the message names the file, the key and what would be right."""
+
+
+class ReachError(InputError):
+    """A bending angle that no point of a load case reaches; names the reachable one."""
+
+
+class FormatError(InputError):
+    """No fixed-point format fits; names the sensor and the remedy."""
+
+
+class ToolError(CcgenError):
+    """A program that is needed is missing; names it and how to install it."""
+
+
+class CheckError(CcgenError):
+    """A check failed: a mismatch, a lost frame, a budget."""
+
+    exit_status = 1
