@@ -1,0 +1,276 @@
+"""Which signal lies where in which frame: the Python mirror of `ccgen/layout.h`.
+
+A joint owns consecutive identifiers from `base_id`: the LENGTHS frames that sensors send, the
+ANGLES frames that the node answers with, one TIP and one STATUS frame. All frames have one
+length (8 bytes, or 64 on CAN FD) and open with the header of an end-to-end profile: P01 on
+classic CAN (CRC-8, 4-bit counter), P05 on CAN FD (CRC-16, 8-bit counter). Signals follow the
+header without gaps, little-endian; bytes left over are zero. The most negative value of a signed
+signal means: no reading.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, Protocol
+
+from ccgen.errors import InputError
+from ccgen.joint import Joint
+
+Kind = Literal["lengths", "angles", "tip", "status"]
+Quantity = Literal[
+    "crc", "counter", "length_u", "length_v", "angle_u", "angle_v", "tip",
+    "sample_counter", "missing_sensors", "faults", "age",
+]  # fmt: skip
+
+FAULTS = ("CRC", "FORMAT", "REPEATED", "REORDERED", "LOST", "LATE", "MISSING", "STALE")
+"""Names of the bits of the STATUS frame's `faults`, bit 0 first."""
+
+MISSING_V_BIT = 8
+"""Bit of `missing_sensors` where the v sensors begin; the u sensors begin at bit 0."""
+
+LARGEST_ID = {False: 0x7FF, True: 0x1FFFFFFF}
+_LARGEST_TIP = 2**15 - 1
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One signal: `start` and `bits` count from the least significant bit of byte 0."""
+
+    name: str
+    start: int
+    bits: int
+    signed: bool
+    quantity: Quantity
+
+    @property
+    def no_reading(self) -> int:
+        """The raw value that says there is no reading; signed signals only."""
+        return -(1 << (self.bits - 1))
+
+
+@dataclass(frozen=True)
+class FrameSpec:
+    """One frame of the joint; `data_id` enters its checksum without being sent."""
+
+    id: int
+    name: str
+    kind: Kind
+    signals: tuple[Signal, ...]
+
+    @property
+    def data_id(self) -> int:
+        """The E2E data ID: the low 16 bits of the identifier."""
+        return self.id & 0xFFFF
+
+    @property
+    def payload(self) -> tuple[Signal, ...]:
+        """The signals behind the header."""
+        return self.signals[2:]
+
+
+@dataclass(frozen=True)
+class FrameLayout:
+    """Where every signal of a joint lies on the bus; mirrors the C struct `ccgen_layout_t`."""
+
+    name: str
+    base_id: int
+    extended: bool
+    fd: bool
+    sensors_u: int
+    sensors_v: int
+    segments: int
+    count_bytes: int
+    angle_bytes: int
+    cycle_ms: int
+    tip_fraction_bits: int
+
+    @property
+    def frame_bytes(self) -> int:
+        """Length of every frame."""
+        return 64 if self.fd else 8
+
+    @property
+    def header_bytes(self) -> int:
+        """Bytes of the end-to-end header: 2 for P01, 3 for P05."""
+        return 3 if self.fd else 2
+
+    @property
+    def counter_modulus(self) -> int:
+        """Values that the header's counter takes: 15 for P01, 256 for P05."""
+        return 256 if self.fd else 15
+
+    @property
+    def cycle_us(self) -> int:
+        """Period of snapshots, and the longest time between two STATUS frames, microseconds."""
+        return 1000 * self.cycle_ms
+
+    @property
+    def window_us(self) -> int:
+        """Time within which all frames of one snapshot must arrive, microseconds."""
+        return self.cycle_us
+
+    @property
+    def counts_per_frame(self) -> int:
+        """Sensor counts that fit a LENGTHS frame."""
+        return (self.frame_bytes - self.header_bytes) // self.count_bytes
+
+    @property
+    def angles_per_frame(self) -> int:
+        """Angles that fit an ANGLES frame."""
+        return (self.frame_bytes - self.header_bytes) // self.angle_bytes
+
+    @property
+    def lengths_frames(self) -> int:
+        """LENGTHS frames of a snapshot."""
+        return -(-(self.sensors_u + self.sensors_v) // self.counts_per_frame)
+
+    @property
+    def angles_frames(self) -> int:
+        """ANGLES frames of a snapshot."""
+        return -(-2 * self.segments // self.angles_per_frame)
+
+    @property
+    def answer_frames(self) -> int:
+        """Frames with which a node answers one snapshot: angles, tip and status."""
+        return self.angles_frames + 2
+
+    @property
+    def last_id(self) -> int:
+        """The highest identifier of the joint, that of its STATUS frame."""
+        return self.base_id + self.lengths_frames + self.angles_frames + 1
+
+    @cached_property
+    def frames(self) -> tuple[FrameSpec, ...]:
+        """Every frame in the order of the identifiers: LENGTHS, ANGLES, TIP, STATUS."""
+        return tuple(self._frames())
+
+    def frames_of(self, kind: Kind) -> tuple[FrameSpec, ...]:
+        """Return the frames of one kind in the order of the identifiers."""
+        return tuple(frame for frame in self.frames if frame.kind == kind)
+
+    def _frames(self) -> Iterator[FrameSpec]:
+        next_id = self.base_id
+        lists: tuple[tuple[Kind, list[tuple[str, Quantity]], int, int], ...] = (
+            ("lengths", _lengths(self), self.count_bytes, self.counts_per_frame),
+            ("angles", _angles(self), self.angle_bytes, self.angles_per_frame),
+        )
+        for kind, values, size, share in lists:
+            for k, first in enumerate(range(0, len(values), share)):
+                payload = ((*value, 8 * size, True) for value in values[first : first + share])
+                yield self._frame(next_id, kind, f"_{k}", payload)
+                next_id += 1
+        yield self._frame(next_id, "tip", "", ((f"tip_{x}", "tip", 16, True) for x in "xyz"))
+        yield self._frame(next_id + 1, "status", "", _STATUS)
+
+    def _frame(
+        self, frame_id: int, kind: Kind, suffix: str, payload: Iterable["_Field"]
+    ) -> FrameSpec:
+        name = f"{self.name.upper()}_{kind.upper()}{suffix}"
+        header = _P05_HEADER if self.fd else _P01_HEADER
+        signals = (*header, *_packed(8 * self.header_bytes, payload))
+        return FrameSpec(frame_id, name, kind, signals)
+
+
+_Field = tuple[str, Quantity, int, bool]
+
+_P01_HEADER = (Signal("crc", 0, 8, False, "crc"), Signal("counter", 8, 4, False, "counter"))
+_P05_HEADER = (Signal("crc", 0, 16, False, "crc"), Signal("counter", 16, 8, False, "counter"))
+_STATUS: tuple[_Field, ...] = (
+    ("sample_counter", "sample_counter", 16, False),
+    ("missing_sensors", "missing_sensors", 16, False),
+    ("faults", "faults", 8, False),
+    ("age", "age", 8, False),
+)
+
+
+def _lengths(layout: FrameLayout) -> list[tuple[str, Quantity]]:
+    u: list[tuple[str, Quantity]] = [(f"length_u{j}", "length_u") for j in range(layout.sensors_u)]
+    return [*u, *((f"length_v{j}", "length_v") for j in range(layout.sensors_v))]
+
+
+def _angles(layout: FrameLayout) -> list[tuple[str, Quantity]]:
+    u: list[tuple[str, Quantity]] = [(f"angle_u{i}", "angle_u") for i in range(layout.segments)]
+    return [*u, *((f"angle_v{i}", "angle_v") for i in range(layout.segments))]
+
+
+def _packed(start: int, fields: Iterable[_Field]) -> Iterator[Signal]:
+    for name, quantity, bits, signed in fields:
+        yield Signal(name, start, bits, signed, quantity)
+        start += bits
+
+
+class CountRange(Protocol):
+    """What the layout needs of an axis: the counts' range per sensor, both ends included."""
+
+    @property
+    def minimum(self) -> Iterable[int]:
+        """Lowest count per sensor."""
+
+    @property
+    def maximum(self) -> Iterable[int]:
+        """Highest count per sensor."""
+
+
+class CountRanges(Protocol):
+    """The counts' ranges of both axes; `FixedPointModel` is one."""
+
+    @property
+    def u(self) -> CountRange:
+        """Sensors that measure bending about local x."""
+
+    @property
+    def v(self) -> CountRange:
+        """Sensors that measure bending about local y."""
+
+
+def layout_for(joint: Joint, ranges: CountRanges) -> FrameLayout:
+    """Lay out the frames of a joint whose sensors count within `ranges`.
+
+    Raises:
+        InputError: the identifiers from `can.base_id` on exceed what the bus has.
+    """
+    layout = FrameLayout(
+        name=joint.name,
+        base_id=joint.can.base_id,
+        extended=joint.can.extended,
+        fd=joint.can.fd,
+        sensors_u=len(joint.u.spans),
+        sensors_v=len(joint.v.spans),
+        segments=joint.geometry.segments,
+        count_bytes=_count_bytes(joint.precision, ranges),
+        angle_bytes=joint.precision // 8,
+        cycle_ms=joint.can.cycle_ms,
+        tip_fraction_bits=tip_fraction_bits(joint.geometry.length),
+    )
+    largest = LARGEST_ID[layout.extended]
+    if layout.last_id > largest:
+        highest_base = largest - (layout.last_id - layout.base_id)
+        raise InputError(
+            f"{joint.source}: can.base_id: {layout.last_id - layout.base_id + 1} frames from "
+            f"{layout.base_id:#x} on exceed the last identifier {largest:#x}; "
+            f"at most {highest_base:#x} would fit"
+        )
+    return layout
+
+
+def tip_fraction_bits(length: float) -> int:
+    """Largest f for which a joint of this length (m) keeps |tip| * 2^f within int16."""
+    fraction_bits = 0
+    while length * 2.0 ** (fraction_bits + 1) <= _LARGEST_TIP:
+        fraction_bits += 1
+    while length * 2.0**fraction_bits > _LARGEST_TIP:
+        fraction_bits -= 1
+    return fraction_bits
+
+
+def _count_bytes(precision: int, ranges: CountRanges) -> int:
+    """Bytes that hold every count and, as one value more, "no reading"."""
+    if precision == 16:
+        return 2
+    largest = 2**23 - 1
+    fits = all(
+        -largest <= low and high <= largest
+        for axis in (ranges.u, ranges.v)
+        for low, high in zip(axis.minimum, axis.maximum, strict=True)
+    )
+    return 3 if fits else 4

@@ -1,0 +1,174 @@
+"""The joint's frames as a DBC file, built with cantools; the same input gives the same text."""
+
+from collections import OrderedDict
+from typing import TYPE_CHECKING, NamedTuple
+
+from cantools.database import Database
+from cantools.database.can import Bus, Message, Node, Signal
+from cantools.database.can.formats.dbc import DbcAttribute, DbcAttributeDefinition, DbcSpecifics
+from cantools.database.can.formats.dbc.dbc_attribute_definition import DbcAttributeDefinitionType
+from cantools.database.conversion import BaseConversion
+from cantools.database.utils import sort_signals_by_start_bit
+from cantools.typechecking import Choices
+
+from ccgen import __version__
+from ccgen.can import layout as frames
+from ccgen.can.layout import FrameLayout, FrameSpec, Kind, Quantity
+from ccgen.joint import Joint
+
+if TYPE_CHECKING:
+    from ccgen.fixedpoint import FixedPointModel
+
+HOST = "HOST"
+"""Network node that listens; those that send carry the joint's name."""
+
+_NO_READING = "no reading"
+_CYCLE_TIME = "GenMsgCycleTime"
+_MAXIMUM_CYCLE_MS = 2**16 - 1
+
+_BUS_TYPE = DbcAttributeDefinition(name="BusType", default_value="CAN", type_name="STRING")
+_CYCLE = DbcAttributeDefinition(
+    name=_CYCLE_TIME,
+    default_value=0,
+    kind="BO_",
+    type_name="INT",
+    minimum=0,
+    maximum=_MAXIMUM_CYCLE_MS,
+)
+_BIT_RATE_SWITCH = DbcAttributeDefinition(
+    name="CANFD_BRS", default_value="0", kind="BO_", type_name="ENUM", choices=["0", "1"]
+)
+_DATA_ID = DbcAttributeDefinition(
+    name="E2EDataId", default_value=0, kind="BO_", type_name="INT", minimum=0, maximum=0xFFFF
+)
+_PROFILE = DbcAttributeDefinition(
+    name="E2EProfile", default_value="", kind="BO_", type_name="STRING"
+)
+
+
+class _Meaning(NamedTuple):
+    """What one step of a signal stands for, and its comment."""
+
+    scale: float
+    unit: str | None
+    comment: str
+
+
+def dbc_text(layout: FrameLayout, joint: Joint, model: "FixedPointModel") -> str:
+    """Describe every frame of the joint: Intel byte order, SI units.
+
+    Lengths are in metres of change against the straight pose, angles in radians, the tip in
+    metres in the base frame. Raw values are the integers that sensors and estimator work with.
+    """
+    meanings = _meanings(layout, joint, model)
+    database = Database(
+        messages=[_message(layout, frame, meanings) for frame in layout.frames],
+        nodes=[
+            Node(_sensors(layout), "Reads the length sensors"),
+            Node(_node(layout), "Estimates the joint's shape"),
+            Node(HOST, "Uses the estimate"),
+        ],
+        buses=[Bus("", baudrate=joint.can.bitrate)],
+        version=f"ccgen {__version__}",
+        dbc_specifics=_specifics(layout),
+    )
+    return str(database.as_dbc_string(sort_signals=sort_signals_by_start_bit))
+
+
+def _specifics(layout: FrameLayout) -> DbcSpecifics:
+    definitions: OrderedDict[str, DbcAttributeDefinitionType] = OrderedDict()
+    for definition in (_BUS_TYPE, _CYCLE, _PROFILE, _DATA_ID):
+        definitions[definition.name] = definition
+    if layout.fd:
+        definitions[_BIT_RATE_SWITCH.name] = _BIT_RATE_SWITCH
+    bus_type = DbcAttribute("CAN FD" if layout.fd else "CAN", _BUS_TYPE)
+    return DbcSpecifics(attributes=OrderedDict(BusType=bus_type), attribute_definitions=definitions)
+
+
+def _sensors(layout: FrameLayout) -> str:
+    return f"{layout.name.upper()}_SENSORS"
+
+
+def _node(layout: FrameLayout) -> str:
+    return f"{layout.name.upper()}_JOINT"
+
+
+def _message(layout: FrameLayout, frame: FrameSpec, meanings: dict[Quantity, _Meaning]) -> Message:
+    receivers = [_node(layout)] if frame.kind == "lengths" else [HOST]
+    return Message(
+        frame_id=frame.id,
+        name=frame.name,
+        length=layout.frame_bytes,
+        signals=[_signal(signal, meanings[signal.quantity], receivers) for signal in frame.signals],
+        comment=_FRAME_COMMENTS[frame.kind],
+        senders=[_sensors(layout) if frame.kind == "lengths" else _node(layout)],
+        cycle_time=min(layout.cycle_ms, _MAXIMUM_CYCLE_MS),
+        dbc_specifics=DbcSpecifics(
+            attributes=OrderedDict(
+                E2EProfile=DbcAttribute("P05" if layout.fd else "P01", _PROFILE),
+                E2EDataId=DbcAttribute(frame.data_id, _DATA_ID),
+            )
+        ),
+        is_extended_frame=layout.extended,
+        is_fd=layout.fd,
+        strict=True,
+    )
+
+
+def _signal(signal: frames.Signal, meaning: _Meaning, receivers: list[str]) -> Signal:
+    choices: Choices | None = None
+    if signal.signed:
+        choices = OrderedDict({signal.no_reading: _NO_READING})
+    return Signal(
+        name=signal.name,
+        start=signal.start,
+        length=signal.bits,
+        byte_order="little_endian",
+        is_signed=signal.signed,
+        conversion=BaseConversion.factory(scale=meaning.scale, offset=0, choices=choices),
+        unit=meaning.unit,
+        comment=meaning.comment,
+        receivers=receivers,
+    )
+
+
+_FRAME_COMMENTS: dict[Kind, str] = {
+    "lengths": "Sensor counts; all LENGTHS frames of one snapshot carry the same counter.",
+    "angles": "Bending of every segment; carries the counter of its snapshot.",
+    "tip": "Tip position in the base frame; carries the counter of its snapshot.",
+    "status": "State of the estimator, every cycle; its counter advances by one a frame.",
+}
+
+
+def _meanings(
+    layout: FrameLayout, joint: Joint, model: "FixedPointModel"
+) -> dict[Quantity, _Meaning]:
+    faults = ", ".join(f"{bit} {name}" for bit, name in enumerate(frames.FAULTS))
+    missing = f"bit j: u sensor j; bit {frames.MISSING_V_BIT} + j: v sensor j"
+    return {
+        "crc": _Meaning(1, None, "CRC-16 CCITT-FALSE" if layout.fd else "CRC-8 SAE J1850"),
+        "counter": _Meaning(1, None, f"0 to {layout.counter_modulus - 1}, then 0 again"),
+        "length_u": _length(joint.u.transducer.metres_per_count, layout),
+        "length_v": _length(joint.v.transducer.metres_per_count, layout),
+        "angle_u": _angle("x", model.u.fraction_bits, layout),
+        "angle_v": _angle("y", model.v.fraction_bits, layout),
+        "tip": _Meaning(2.0**-layout.tip_fraction_bits, "m", _with_no_reading("Tip position", 16)),
+        "sample_counter": _Meaning(1, None, "Complete snapshots since the start, modulo 65536"),
+        "missing_sensors": _Meaning(1, None, f"Sensors without a reading; {missing}"),
+        "faults": _Meaning(1, None, f"Since the last STATUS; bits: {faults}"),
+        "age": _Meaning(0.001, "s", "Since the last complete snapshot; raw 255: that or more"),
+    }
+
+
+def _length(metres_per_count: float, layout: FrameLayout) -> _Meaning:
+    text = _with_no_reading("Change of length, in counts of the sensor", 8 * layout.count_bytes)
+    return _Meaning(metres_per_count, "m", text)
+
+
+def _angle(local_axis: str, fraction_bits: int, layout: FrameLayout) -> _Meaning:
+    text = _with_no_reading(f"Bending about local {local_axis}", 8 * layout.angle_bytes)
+    return _Meaning(2.0**-fraction_bits, "rad", text)
+
+
+def _with_no_reading(text: str, bits: int) -> str:
+    return f"{text}; raw {-(1 << (bits - 1))}: {_NO_READING}"

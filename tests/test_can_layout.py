@@ -1,0 +1,157 @@
+"""Where signals lie in frames: counts of frames, identifiers, sizes, and what is refused."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ccgen.can.layout import FrameLayout, layout_for, tip_fraction_bits
+from ccgen.errors import InputError
+from ccgen.joint import AxisSensors, Can, Geometry, Joint, Shapes, Transducer
+from ccgen.layouts import heuristic
+
+TRANSDUCER = Transducer(bits=16, metres_per_count=2e-6, noise=None, range=None)
+SENSORS = AxisSensors(heuristic(12, 3), 0.05, TRANSDUCER, "heuristic")
+JOINT = Joint(
+    name="shoulder",
+    geometry=Geometry(12, 0.24, 0.05),
+    u=SENSORS,
+    v=SENSORS,
+    shapes=Shapes(("uniform",), 30, 10),
+    method="wam",
+    precision=16,
+    can=Can(0x300, False, False, 1_000_000, 10),
+    source="shoulder.toml",
+)
+
+
+def ranges(lowest, highest):
+    axis = SimpleNamespace(minimum=[lowest] * 3, maximum=[highest] * 3)
+    return SimpleNamespace(u=axis, v=axis)
+
+
+NARROW = ranges(-20000, 20000)
+LAYOUT = layout_for(JOINT, NARROW)
+
+layouts = st.builds(
+    FrameLayout,
+    name=st.just("joint"),
+    base_id=st.integers(0, 0x700),
+    extended=st.booleans(),
+    fd=st.booleans(),
+    sensors_u=st.integers(1, 8),
+    sensors_v=st.integers(1, 8),
+    segments=st.integers(1, 64),
+    count_bytes=st.sampled_from((2, 3, 4)),
+    angle_bytes=st.sampled_from((2, 4)),
+    cycle_ms=st.integers(1, 1000),
+    tip_fraction_bits=st.integers(0, 20),
+)
+
+
+def test_twelve_segments_with_three_sensors_take_two_frames_in_and_ten_out():
+    assert [frame.name for frame in LAYOUT.frames] == [
+        "SHOULDER_LENGTHS_0",
+        "SHOULDER_LENGTHS_1",
+        *(f"SHOULDER_ANGLES_{k}" for k in range(8)),
+        "SHOULDER_TIP",
+        "SHOULDER_STATUS",
+    ]
+    assert [frame.id for frame in LAYOUT.frames] == list(range(0x300, 0x30C))
+    assert (LAYOUT.lengths_frames, LAYOUT.answer_frames, LAYOUT.last_id) == (2, 10, 0x30B)
+
+
+def test_u_comes_before_v_in_one_list_across_frames():
+    names = [signal.name for frame in LAYOUT.frames_of("angles") for signal in frame.payload]
+    assert names == [f"angle_{axis}{i}" for axis in "uv" for i in range(12)]
+    uneven = replace(LAYOUT, sensors_u=2, sensors_v=3)
+    names = [[s.name for s in frame.payload] for frame in uneven.frames_of("lengths")]
+    assert names == [["length_u0", "length_u1", "length_v0"], ["length_v1", "length_v2"]]
+
+
+def test_status_lies_as_the_runtime_writes_it():
+    places = {s.name: (s.start, s.bits) for s in LAYOUT.frames[-1].signals}
+    assert places == {
+        "crc": (0, 8),
+        "counter": (8, 4),
+        "sample_counter": (16, 16),
+        "missing_sensors": (32, 16),
+        "faults": (48, 8),
+        "age": (56, 8),
+    }
+
+
+def test_can_fd_puts_the_same_status_behind_three_header_bytes():
+    places = {s.name: s.start for s in replace(LAYOUT, fd=True).frames[-1].signals}
+    assert places == {
+        "crc": 0, "counter": 16, "sample_counter": 24, "missing_sensors": 40, "faults": 56,
+        "age": 64,
+    }  # fmt: skip
+
+
+def test_can_fd_holds_thirty_angles_a_frame():
+    fd = replace(LAYOUT, fd=True)
+    assert fd.angles_per_frame == 30
+    assert [frame.kind for frame in fd.frames] == ["lengths", "angles", "tip", "status"]
+
+
+@given(layouts)
+def test_signals_never_overlap_and_stay_within_the_frame(layout):
+    for frame in layout.frames:
+        bits = [b for s in frame.signals for b in range(s.start, s.start + s.bits)]
+        assert len(bits) == len(set(bits))
+        assert max(bits) < 8 * layout.frame_bytes
+
+
+@given(layouts)
+def test_frames_number_what_the_counts_say(layout):
+    kinds = [frame.kind for frame in layout.frames]
+    assert kinds.count("lengths") == layout.lengths_frames
+    assert kinds.count("angles") == layout.angles_frames
+    assert layout.frames[-1].id == layout.last_id
+    payload = [s for frame in layout.frames_of("angles") for s in frame.payload]
+    assert len(payload) == 2 * layout.segments
+
+
+def test_data_id_is_the_low_half_of_the_identifier():
+    extended = replace(LAYOUT, base_id=0x18FF0000, extended=True)
+    assert extended.frames[3].data_id == 0x0003
+
+
+def test_precision_16_counts_take_two_bytes():
+    assert (LAYOUT.count_bytes, LAYOUT.angle_bytes) == (2, 2)
+
+
+@pytest.mark.parametrize(
+    ("lowest", "highest", "size"),
+    [
+        (-(2**23) + 1, 2**23 - 1, 3),
+        (-(2**23), 2**23 - 1, 4),
+        (0, 2**23, 4),
+        (-(2**31) + 1, 2**31 - 1, 4),
+    ],
+)
+def test_precision_32_takes_three_bytes_where_24_bits_and_no_reading_fit(lowest, highest, size):
+    layout = layout_for(replace(JOINT, precision=32), ranges(lowest, highest))
+    assert (layout.count_bytes, layout.angle_bytes) == (size, 4)
+
+
+@pytest.mark.parametrize(
+    ("length", "bits"), [(0.24, 17), (32767.0, 0), (32767.1, -1), (1.0, 14), (32767 / 2**20, 20)]
+)
+def test_tip_scale_is_the_finest_that_holds_the_joint(length, bits):
+    assert tip_fraction_bits(length) == bits
+    assert length * 2.0**bits <= 32767 < length * 2.0 ** (bits + 1)
+
+
+def test_identifiers_beyond_the_bus_are_refused_with_the_highest_base():
+    joint = replace(JOINT, can=replace(JOINT.can, base_id=0x7F5))
+    with pytest.raises(InputError) as refused:
+        layout_for(joint, NARROW)
+    assert str(refused.value) == (
+        "shoulder.toml: can.base_id: 12 frames from 0x7f5 on exceed the last identifier 0x7ff; "
+        "at most 0x7f4 would fit"
+    )
+    assert layout_for(replace(JOINT, can=replace(JOINT.can, base_id=0x7F4)), NARROW)
