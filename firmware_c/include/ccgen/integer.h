@@ -1,0 +1,33 @@
+/**
+ * \file integer.h
+ * \brief Unsigned to signed conversions without implementation-defined behaviour.
+ *
+ * Each returns the value whose two's complement pattern is the argument's. Compilers emit a sign
+ * extension (sxth, asr) or nothing at all.
+ */
+#ifndef CCGEN_INTEGER_H
+#define CCGEN_INTEGER_H
+
+#include "ccgen/check.h"
+
+/** \param[in] word any value  \return its bits 0 to 15 as a signed number */
+CCGEN_INLINE int16_t ccgen_low16(const uint32_t word) {
+    return (int16_t)((int32_t)((word & 0xFFFFu) ^ 0x8000u) - 0x8000);
+}
+
+/** \param[in] word any value  \return its bits 16 to 31 as a signed number */
+CCGEN_INLINE int16_t ccgen_high16(const uint32_t word) {
+    return ccgen_low16(word >> 16);
+}
+
+/** \param[in] word any value  \return the same bits as a signed number */
+CCGEN_INLINE int32_t ccgen_signed32(const uint32_t word) {
+    return (word <= 0x7FFFFFFFu) ? (int32_t)word : (-(int32_t)(~word) - 1);
+}
+
+/** \param[in] word any value  \return the same bits as a signed number */
+CCGEN_INLINE int64_t ccgen_signed64(const uint64_t word) {
+    return (word <= (uint64_t)INT64_MAX) ? (int64_t)word : (-(int64_t)(~word) - 1);
+}
+
+#endif /* CCGEN_INTEGER_H */

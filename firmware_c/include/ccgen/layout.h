@@ -1,0 +1,117 @@
+/**
+ * \file layout.h
+ * \brief Which frames a joint has on the bus, and where the signals are in them.
+ *
+ * Frame k has identifier base_id + k: LENGTHS frames first (counts of the u sensors, then of the
+ * v sensors), then ANGLES frames (u segments, then v segments), then TIP, then STATUS. Every frame
+ * is 8 bytes long (64 on CAN FD): the E2E header, then as many little-endian two's complement
+ * signals as fit; unused bytes are 0. A signal's most negative value means "no reading".
+ * The E2E data ID is the low 16 bits of the identifier.
+ *
+ * All functions are pure, take constant time and accept only layouts that ccgen_layout_valid()
+ * accepts.
+ */
+#ifndef CCGEN_LAYOUT_H
+#define CCGEN_LAYOUT_H
+
+#include "ccgen/check.h"
+#include "ccgen/e2e.h"
+#include "ccgen/error.h"
+#include "ccgen/frame.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Most counts in one snapshot: both axes. */
+#define CCGEN_COUNTS_MAX (2 * CCGEN_AXIS_SENSORS_MAX)
+
+/** Longest cycle and window, so that sums of times stay far from the clock's wrap. */
+#define CCGEN_PERIOD_MAX_US 300000000u
+
+/** The layout of one joint: lives in flash. */
+typedef struct {
+    uint32_t base_id;    /**< identifier of the first LENGTHS frame */
+    bool extended;       /**< 29-bit identifiers */
+    bool fd;             /**< CAN FD: 64-byte frames and E2E P05; else 8-byte frames and P01 */
+    uint8_t sensors_u;   /**< 1 to CCGEN_AXIS_SENSORS_MAX */
+    uint8_t sensors_v;   /**< 1 to CCGEN_AXIS_SENSORS_MAX */
+    uint8_t segments;    /**< 1 to CCGEN_SEGMENTS_MAX */
+    uint8_t count_bytes; /**< of a count on the bus: 2, 3 or 4 */
+    uint8_t angle_bytes; /**< of an angle on the bus: 2 or 4 */
+    uint32_t cycle_us;   /**< a status is due this often; 1 to CCGEN_PERIOD_MAX_US */
+    uint32_t window_us;  /**< a snapshot's frames arrive within this time of its first */
+} ccgen_layout_t;
+
+typedef enum {
+    CCGEN_FRAME_LENGTHS,
+    CCGEN_FRAME_ANGLES,
+    CCGEN_FRAME_TIP,
+    CCGEN_FRAME_STATUS,
+    CCGEN_FRAME_FOREIGN /**< not one of the joint's */
+} ccgen_frame_kind_t;
+
+/** \return whether every field is within the bounds above and all identifiers exist. */
+bool ccgen_layout_valid(const ccgen_layout_t *layout);
+
+/** \return the E2E profile of all frames. */
+ccgen_e2e_profile_t ccgen_layout_profile(const ccgen_layout_t *layout);
+
+/** \return bytes of data in every frame: 8, or 64 on CAN FD. */
+uint8_t ccgen_layout_frame_length(const ccgen_layout_t *layout);
+
+/** \return how many signals of `bytes` bytes fit one frame. */
+uint8_t ccgen_layout_slots(const ccgen_layout_t *layout, uint8_t bytes);
+
+/** \return number of LENGTHS frames, at most CCGEN_COUNTS_MAX. */
+uint8_t ccgen_layout_lengths_frames(const ccgen_layout_t *layout);
+
+/** \return number of ANGLES frames. */
+uint8_t ccgen_layout_angles_frames(const ccgen_layout_t *layout);
+
+/** \return index k of the TIP frame: identifier minus base. */
+uint16_t ccgen_layout_tip_index(const ccgen_layout_t *layout);
+
+/** \return index k of the STATUS frame, which is the last. */
+uint16_t ccgen_layout_status_index(const ccgen_layout_t *layout);
+
+/**
+ * Tells what a frame is from its identifier alone.
+ * \param[in] layout
+ * \param[in] frame
+ * \param[out] slot  which of its kind, from 0; may be NULL; not written for a foreign frame
+ */
+ccgen_frame_kind_t ccgen_layout_kind(const ccgen_layout_t *layout, const ccgen_frame_t *frame,
+                                     uint16_t *slot);
+
+/**
+ * Starts a frame: identifier, kind and length set, all data 0.
+ * \param[in] layout
+ * \param[in] index   0 to ccgen_layout_status_index()
+ * \param[out] frame
+ */
+void ccgen_layout_begin(const ccgen_layout_t *layout, uint16_t index, ccgen_frame_t *frame);
+
+/**
+ * Protects a frame that ccgen_layout_begin() started and whose signals are in place.
+ * \param[in] layout
+ * \param[in] counter    below the profile's modulus
+ * \param[in,out] frame
+ * \return as ccgen_e2e_protect()
+ */
+int ccgen_layout_protect(const ccgen_layout_t *layout, uint8_t counter, ccgen_frame_t *frame);
+
+/** Writes the low `bytes` bytes (1 to 4) of `value`, little-endian. */
+void ccgen_put_signed(uint8_t *data, uint8_t bytes, int32_t value);
+
+/** \return the little-endian two's complement value of `bytes` bytes (1 to 4). */
+int32_t ccgen_get_signed(const uint8_t *data, uint8_t bytes);
+
+/** \return the most negative value of a signal of `bytes` bytes (1 to 4): "no reading". */
+int32_t ccgen_no_reading(uint8_t bytes);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* CCGEN_LAYOUT_H */
