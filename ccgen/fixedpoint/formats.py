@@ -1,0 +1,131 @@
+"""Choice of the fixed-point format by proof, and the model in that format.
+
+An angle of 1 rad is 2^f; an accumulator of 1 rad is 2^(f + shift). The fraction bits f are the
+most with which the shapes and a quarter more fit the angle's width: nothing that a sound joint
+does saturates. The shift is the largest for which every weight fits its width and the accumulator
+cannot overflow, whatever the counts and zeros in range.
+"""
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from ccgen.errors import FormatError
+from ccgen.estimation import Weights
+from ccgen.fixedpoint import bounds
+from ccgen.fixedpoint.model import AxisModel, FixedPointModel, Floats, Integers
+from ccgen.fixedpoint.ranges import MARGIN, CountRange, count_gains, count_range, counts_of
+from ccgen.joint import AXES, Joint
+from ccgen.shapes import ShapeLibrary
+
+
+@dataclass(frozen=True, eq=False)
+class _Format:
+    """Weights and bias in one format, and what is proven of it."""
+
+    fraction_bits: int
+    shift: int
+    weights: Integers
+    bias: Integers
+    accumulator: int
+    weight_error: Fraction
+
+    @property
+    def largest_angle(self) -> int:
+        return self.accumulator >> self.shift
+
+
+@dataclass(frozen=True, eq=False)
+class _Axis:
+    """One axis before quantisation: rad per count, intercept in rad, counts' ranges."""
+
+    gains: Floats
+    intercept: Floats
+    ranges: CountRange
+    precision: int
+
+    @property
+    def angle_limit(self) -> int:
+        return int(2 ** (self.precision - 1) - 1)
+
+
+def quantise(joint: Joint, weights: dict[str, Weights], library: ShapeLibrary) -> FixedPointModel:
+    """Fixed-point model of both axes in the joint's precision.
+
+    Args:
+        joint: the specification.
+        weights: of axes "u" and "v".
+        library: shapes the sensors must follow; sets undeclared ranges and the angle's format.
+
+    Raises:
+        FormatError: no format fits; names the sensor, the key and the remedy.
+    """
+    models = [_quantise_axis(joint, axis, weights[axis], library) for axis in AXES]
+    return FixedPointModel(joint.name, joint.precision, *models)
+
+
+def _quantise_axis(joint: Joint, name: str, weights: Weights, library: ShapeLibrary) -> AxisModel:
+    sensors = joint.axis(name)
+    ranges = count_range(joint, name, library)
+    axis = _Axis(count_gains(weights, sensors), weights.intercept, ranges, joint.precision)
+    counts = counts_of(sensors, library.angles)
+    ideal = counts @ axis.gains.T + axis.intercept
+    best = _choose(axis, float(np.abs(ideal).max()))
+    if best is None:
+        j = int(np.argmax(ranges.span))
+        a, b = sensors.spans[j]
+        raise FormatError(
+            f"{joint.source}: sensors.transducer.range: sensor {j} of axis {name} (span [{a}, {b}],"
+            f" {ranges.span[j]} counts wide) leaves no {joint.precision}-bit format for the weights"
+            f"; narrow the range" + ("" if joint.precision == 32 else " or use precision = 32")
+        )
+    percent = 100.0 / joint.geometry.range_of_motion
+    angles = (counts @ best.weights.T + best.bias) >> best.shift
+    angles = np.clip(angles, -axis.angle_limit, axis.angle_limit)
+    return AxisModel(
+        axis=name,
+        precision=joint.precision,
+        weights=best.weights,
+        bias=best.bias,
+        shift=best.shift,
+        fraction_bits=best.fraction_bits,
+        minimum=ranges.minimum,
+        maximum=ranges.maximum,
+        zero=np.zeros_like(ranges.minimum),
+        saturates=best.largest_angle > axis.angle_limit,
+        headroom_bits=bounds.headroom_bits(best.accumulator, 2 * joint.precision),
+        worst_error_percent_rom=percent
+        * float(best.weight_error + bounds.rounding_error(best.shift, best.fraction_bits)),
+        rms_error_percent_rom=percent
+        * bounds.rms(np.ldexp(angles.astype(np.float64), -best.fraction_bits) - ideal),
+    )
+
+
+def _choose(axis: _Axis, largest_shape: float) -> _Format | None:
+    """The finest format that holds this angle (rad) and a quarter more, if any does."""
+    finest = int(np.floor(np.log2(axis.angle_limit / (MARGIN * largest_shape))))
+    candidates = (_format(axis, fraction_bits) for fraction_bits in range(finest, -1, -1))
+    return next((found for found in candidates if found is not None), None)
+
+
+def _format(axis: _Axis, fraction_bits: int) -> _Format | None:
+    """The largest shift for which weights and accumulator fit, if any does."""
+    weight_limit = 2 ** (axis.precision - 1) - 1
+    accumulator_limit = 2 ** (2 * axis.precision - 1) - 1
+    for shift in range(2 * axis.precision - 1, -1, -1):
+        scale = fraction_bits + shift
+        rounded = np.rint(np.ldexp(axis.gains, scale))
+        if np.abs(rounded).max() > weight_limit:
+            continue
+        offsets = [round(Fraction(float(c)) * Fraction(2) ** scale) for c in axis.intercept]
+        half = 1 << (shift - 1) if shift else 0
+        weights = rounded.astype(np.int64)
+        bias = np.array([o + half for o in offsets], dtype=np.int64)
+        accumulator = bounds.largest_accumulator(weights, bias, axis.ranges.span)
+        if accumulator <= accumulator_limit:
+            error = bounds.weight_error(
+                axis.gains, axis.intercept, weights, offsets, scale, axis.ranges.span
+            )
+            return _Format(fraction_bits, shift, weights, bias, accumulator, error)
+    return None

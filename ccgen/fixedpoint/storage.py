@@ -1,0 +1,72 @@
+"""The fixed-point model as JSON: `model.json` of an exported folder."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ccgen import FORMAT_VERSION
+from ccgen.errors import InputError
+from ccgen.fixedpoint.model import AxisModel, FixedPointModel
+from ccgen.joint import AXES
+
+_ARRAYS = ("weights", "bias", "minimum", "maximum", "zero")
+_SCALARS: dict[str, type] = {
+    "shift": int,
+    "fraction_bits": int,
+    "saturates": bool,
+    "headroom_bits": int,
+    "worst_error_percent_rom": float,
+    "rms_error_percent_rom": float,
+}
+
+
+def model_json(model: FixedPointModel) -> str:
+    """Return the model as JSON text; the same model gives the same text."""
+    return (
+        json.dumps(
+            {
+                "format": FORMAT_VERSION,
+                "name": model.name,
+                "precision": model.precision,
+                "axes": {name: _axis_record(model.axis(name)) for name in AXES},
+            },
+            indent=1,
+        )
+        + "\n"
+    )
+
+
+def load_model(path: Path) -> FixedPointModel:
+    """Read a model back; equal, number for number, to the one that was written.
+
+    Raises:
+        InputError: the file is missing, damaged or of another format.
+    """
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        if record["format"] != FORMAT_VERSION:
+            raise InputError(
+                f"{path}: format: is {record['format']}, this ccgen reads {FORMAT_VERSION}; "
+                f"export the joint again"
+            )
+        axes = [_axis_model(name, record["precision"], record["axes"][name]) for name in AXES]
+        return FixedPointModel(record["name"], record["precision"], *axes)
+    except OSError as error:
+        raise InputError(
+            f"{path}: {error.strerror}; name a folder that `ccgen export` wrote"
+        ) from error
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{path}: damaged ({error}); export the joint again") from error
+
+
+def _axis_record(axis: AxisModel) -> dict[str, Any]:
+    arrays = {key: getattr(axis, key).tolist() for key in _ARRAYS}
+    return {key: getattr(axis, key) for key in _SCALARS} | arrays
+
+
+def _axis_model(name: str, precision: int, record: dict[str, Any]) -> AxisModel:
+    scalars = {key: kind(record[key]) for key, kind in _SCALARS.items()}
+    arrays = {key: np.array(record[key], dtype=np.int64) for key in _ARRAYS}
+    return AxisModel(axis=name, precision=precision, **scalars, **arrays)

@@ -1,0 +1,207 @@
+from dataclasses import replace
+from fractions import Fraction
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ccgen.errors import FormatError, InputError
+from ccgen.estimation import fit_joint
+from ccgen.fixedpoint import counts_of, load_model, model_json, quantise
+from ccgen.fixedpoint.bounds import largest_accumulator
+from ccgen.fixedpoint.ranges import count_gains
+from ccgen.joint import AXES, parse_joint
+from ccgen.shapes import fit_library
+
+TEMPLATE = """
+name = "shoulder"
+[geometry]
+segments = {segments}
+length = 0.24
+range_of_motion = 3.0
+[sensors]
+placement = "heuristic"
+count = {count}
+radius = 0.05
+[sensors.transducer]
+bits = {bits}
+metres_per_count = {step}
+{extra}
+[estimator]
+method = "{method}"
+[fixed_point]
+precision = {precision}
+"""
+
+
+def joint_of(segments=12, count=3, precision=16, step=2.0e-6, method="wam", extra="", bits=None):
+    text = TEMPLATE.format(
+        segments=segments, count=count, precision=precision, step=step, method=method,
+        extra=extra, bits=bits or precision,
+    )  # fmt: skip
+    return parse_joint(text, "shoulder.toml")
+
+
+def model_of(**options):
+    joint = joint_of(**options)
+    library = fit_library(joint)
+    weights = fit_joint(joint, library=library)
+    return SimpleNamespace(
+        joint=joint, library=library, weights=weights, model=quantise(joint, weights, library)
+    )
+
+
+CASES = [
+    {},
+    {"precision": 32, "step": 1e-9},
+    {"segments": 48, "count": 6},
+    {"segments": 48, "count": 6, "precision": 32, "step": 1e-8},
+    {"count": 1},
+    {"count": 8, "method": "equal"},
+    {"extra": "range = [-20000, 20000]"},
+    {"extra": "range = [-11000, 32000]"},
+    {"precision": 32, "extra": "range = [-1000000000, 1000000000]"},
+]
+
+
+@pytest.fixture(scope="module", params=CASES, ids=str)
+def made(request):
+    return model_of(**request.param)
+
+
+def python_angles(axis, counts, zero):
+    """The contract of the arithmetic with Python's integers, checking every width."""
+    result = []
+    for row, bias in zip(axis.weights.tolist(), axis.bias.tolist(), strict=True):
+        acc = bias
+        for w, c, z in zip(row, counts, zero, strict=True):
+            assert abs(w) < 2 ** (axis.precision - 1)
+            acc += w * (c - z)
+            assert abs(acc) < 2 ** (2 * axis.precision - 1)
+        result.append(max(-axis.angle_limit, min(axis.angle_limit, acc >> axis.shift)))
+    return result
+
+
+def draw_counts(data, axis):
+    limits = zip(axis.minimum.tolist(), axis.maximum.tolist(), strict=True)
+    return [data.draw(st.sampled_from((a, b)) | st.integers(a, b)) for a, b in limits]
+
+
+@settings(max_examples=40)
+@given(data=st.data())
+def test_the_model_is_the_contract_for_every_count_and_zero(made, data):
+    axis = made.model.axis(data.draw(st.sampled_from(AXES)))
+    counts, zero = draw_counts(data, axis), draw_counts(data, axis)
+    assert axis.estimate(counts, zero).tolist() == python_angles(axis, counts, zero)
+
+
+def test_no_accumulator_overflows_and_no_larger_shift_would_fit(made):
+    for axis in (made.model.u, made.model.v):
+        span = axis.maximum - axis.minimum
+        limit = 2 ** (2 * axis.precision - 1) - 1
+        assert largest_accumulator(axis.weights, axis.bias, span) <= limit
+        weights = np.rint(
+            np.ldexp(
+                count_gains(made.weights[axis.axis], made.joint.axis(axis.axis)),
+                axis.shift + axis.fraction_bits + 1,
+            )
+        )
+        too_wide = np.abs(weights).max() >= 2 ** (axis.precision - 1)
+        sums = max(
+            sum(abs(int(w)) * int(d) for w, d in zip(row, span, strict=True)) for row in weights
+        )
+        assert too_wide or sums + 2**axis.shift > limit
+
+
+@settings(max_examples=40)
+@given(data=st.data())
+def test_what_quantisation_adds_stays_below_the_proven_bound(made, data):
+    axis = made.model.axis(data.draw(st.sampled_from(AXES)))
+    counts, zero = draw_counts(data, axis), draw_counts(data, axis)
+    gains = count_gains(made.weights[axis.axis], made.joint.axis(axis.axis))
+    differences = [c - z for c, z in zip(counts, zero, strict=True)]
+    bound = Fraction(axis.worst_error_percent_rom * made.joint.geometry.range_of_motion / 100.0)
+    for angle, row in zip(axis.estimate(counts, zero).tolist(), gains.tolist(), strict=True):
+        exact = sum(Fraction(g) * d for g, d in zip(row, differences, strict=True))
+        error = abs(Fraction(angle, 2**axis.fraction_bits) - exact)
+        saturated = abs(angle) == axis.angle_limit
+        assert error <= bound * (1 + Fraction(1, 10**9)) or (saturated and axis.saturates)
+
+
+def test_an_axis_said_not_to_saturate_never_does(made):
+    for axis in (made.model.u, made.model.v):
+        extreme = np.where(axis.weights >= 0, axis.maximum, axis.minimum)
+        opposite = np.where(axis.weights >= 0, axis.minimum, axis.maximum)
+        largest = max(
+            python_angles(replace(axis, precision=2 * axis.precision), c, z)[i]
+            for i, (c, z) in enumerate(zip(extreme.tolist(), opposite.tolist(), strict=True))
+        )
+        assert axis.saturates == (largest > axis.angle_limit)
+
+
+def test_quantisation_of_the_example_adds_no_more_than_promised():
+    sixteen, thirty_two = model_of().model.u, model_of(precision=32).model.u
+    assert sixteen.worst_error_percent_rom <= 0.06
+    assert sixteen.rms_error_percent_rom <= 0.015
+    assert thirty_two.worst_error_percent_rom <= 1e-5
+
+
+def test_the_default_range_holds_the_shapes_and_a_quarter_more():
+    made = model_of()
+    counts = np.abs(counts_of(made.joint.u, made.library.angles)).max(axis=0)
+    assert np.array_equal(made.model.u.maximum, np.ceil(1.25 * counts))
+    assert np.array_equal(made.model.u.minimum, -made.model.u.maximum)
+
+
+def test_counts_turn_back_into_the_angles_of_a_constant_curve():
+    made = model_of(step=1e-7, precision=32)
+    angles = np.full((1, 12), 0.02)
+    estimate = made.model.u.radians(made.model.u.estimate(counts_of(made.joint.u, angles)))
+    assert np.abs(estimate - angles).max() < 1e-3 * 0.02
+
+
+def test_readings_outside_the_range_are_missing_and_not_estimated():
+    axis = model_of().model.u
+    counts = axis.maximum + np.array([0, 1, 0])
+    assert axis.missing(counts).tolist() == [False, True, False]
+    with pytest.raises(ValueError, match="outside its range"):
+        axis.estimate(counts)
+
+
+def test_shapes_that_need_more_counts_than_there_are_name_sensor_and_remedy():
+    with pytest.raises(FormatError, match=r"sensor 0 of axis u \(span \[0, 4\]\).*16 bits hold"):
+        model_of(step=2e-7)
+
+
+def test_a_declared_range_that_the_shapes_leave_is_refused():
+    with pytest.raises(FormatError, match=r"range: sensor 2 .* reaches ±\d+ .*\[-900, 900\]"):
+        model_of(extra="range = [-900, 900]")
+
+
+def test_a_transducer_too_coarse_to_move_is_refused():
+    with pytest.raises(FormatError, match="moves less than half a count"):
+        model_of(step=0.05)
+
+
+def test_a_range_wider_than_a_32_bit_difference_is_refused():
+    with pytest.raises(FormatError, match="32-bit difference"):
+        model_of(precision=32, extra="range = [-2147483647, 2147483647]")
+
+
+def test_a_model_read_back_is_the_model_written(tmp_path):
+    model = model_of().model
+    path = tmp_path / "model.json"
+    path.write_text(model_json(model))
+    again = load_model(path)
+    assert model_json(again) == model_json(model)
+    assert np.array_equal(again.u.weights, model.u.weights)
+
+
+@pytest.mark.parametrize("text", ["", "{}", '{"format": 1, "name": 3}', "[1]", '{"format": 99}'])
+def test_a_damaged_model_is_an_error_that_names_the_file(tmp_path, text):
+    path = tmp_path / "model.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"model\.json: .*export the joint again"):
+        load_model(path)
