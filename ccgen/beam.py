@@ -1,0 +1,201 @@
+"""A joint under a load that is raised from zero.
+
+Shooting from the base finds other equilibria too, and several shapes share one base curvature.
+Pseudo-arc-length continuation from the unbent joint stays on the one branch that a rising load
+follows, through its folds. A branch depends on the load case alone: it is followed once, and every
+joint picks its states from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ccgen.elastica import (
+    NODES,
+    QUADRATURE,
+    SIZE,
+    Equilibria,
+    FloatArray,
+    LoadCase,
+    angle_rows,
+    base_curvature_row,
+    load_row,
+    solve,
+)
+from ccgen.errors import ReachError
+
+END_FORCE = LoadCase("end-force", force=1.0)
+UNIFORM = LoadCase("uniform", uniform=1.0)
+S_SHAPE = LoadCase("s-shape", force=1.0, moment=None, limit=100.0)
+LOAD_CASES = {case.name: case for case in (END_FORCE, UNIFORM, S_SHAPE)}
+"""The cases that bend by a load. An end force of 1000 bends the first of 12 segments by 83 degrees
+and of 64 by 33. At 100 the s-shape has long curled back past its base; the first of 12 segments
+bends by 34 degrees, of 64 by 9."""
+
+STEP = 0.1
+"""Distance of two states of a branch: about the RMS change of the angle in radians."""
+
+_MAX_STATES = 2000
+"""A branch that has not passed its limit after so many states is cut off there."""
+
+_PEAK_ITERATIONS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Branch(Equilibria):
+    """Neighbouring states in the order in which a load raised from zero passes them.
+
+    `tangents`, shape (n_states, SIZE), points ahead.
+    """
+
+    tangents: FloatArray
+
+
+def bend(case: LoadCase, segments: int, first_segment: ArrayLike) -> Equilibria:
+    """Raise the load until the first segment bends by each of the angles.
+
+    Args:
+        case: load case.
+        segments: how many equal segments the joint has; the first ends at s = 1/segments.
+        first_segment: shape (n,), radians, not negative.
+
+    Returns:
+        The first state on the branch with each angle, states of shape (n, SIZE).
+
+    Raises:
+        ReachError: an angle that no state up to the case's limit reaches.
+    """
+    targets = np.asarray(first_segment, dtype=np.float64)
+    branch, row = _branch_by_first_segment(case, segments)
+    reach = float(np.max(branch.states @ row))
+    if np.any(targets > reach):
+        raise ReachError(
+            f"load case {case.name}: a first segment at {np.degrees(targets.max()):.6g} degrees is"
+            f" out of reach; the first of {segments} segments reaches {np.degrees(reach):.6g}"
+            f" degrees (dimensionless loads up to {case.limit:g})"
+        )
+    return _first_crossings(branch, row, targets)
+
+
+def under_load(case: LoadCase, loads: ArrayLike) -> Equilibria:
+    """Raise the load to each of the loads, shape (n,); states of shape (n, SIZE).
+
+    Raises:
+        ReachError: a load beyond the case's limit or beyond a turn of the branch.
+    """
+    targets = np.asarray(loads, dtype=np.float64)
+    branch = follow(case)
+    reach = float(branch.load.max())
+    if np.any(targets > reach):
+        raise ReachError(
+            f"load case {case.name}: the branch reaches a load of {reach:.6g},"
+            f" not {targets.max():.6g}"
+        )
+    return _first_crossings(branch, load_row(), targets)
+
+
+def equilibrium(force: float, uniform: float = 0.0, moment: float = 0.0) -> Equilibria:
+    """Raise an end force, a uniform load and a tip moment together from zero; one state (SIZE,).
+
+    Raises:
+        ReachError: the branch turns back before it reaches these loads.
+    """
+    size = max(abs(force), abs(uniform), abs(moment))
+    if size == 0:
+        return Equilibria(END_FORCE, np.zeros(SIZE))
+    case = LoadCase("given loads", force / size, uniform / size, moment / size, limit=size)
+    return Equilibria(case, under_load(case, [size]).states[0])
+
+
+@lru_cache(maxsize=32)
+def fold(case: LoadCase) -> Equilibria | None:
+    """Locate the first maximum of the base curvature along a branch; None if it only grows."""
+    branch, peaks = _with_peaks(follow(case), base_curvature_row())
+    return Equilibria(case, branch.states[peaks[0]]) if peaks.size else None
+
+
+@lru_cache(maxsize=32)
+def follow(case: LoadCase) -> Branch:
+    """Follow the branch of a load case from the unbent joint until its load passes the limit."""
+    state, tangent = solve(case, np.zeros(SIZE), load_row(), 0.0)
+    states, tangents = [state], [tangent]
+    while state[NODES] < case.limit and len(states) < _MAX_STATES:
+        state, tangent = _advance(case, state, tangent, STEP)
+        states.append(state)
+        tangents.append(tangent)
+    return Branch(case, np.array(states), np.array(tangents))
+
+
+def _advance(
+    case: LoadCase, state: FloatArray, tangent: FloatArray, distance: float
+) -> tuple[FloatArray, FloatArray]:
+    """The equilibrium at a distance ahead on the branch, and the tangent there."""
+    metric, unit = _arc(state, tangent)
+    guess = state + distance * unit
+    return solve(case, guess, metric * unit, float(metric @ (unit * guess)))
+
+
+def _arc(state: FloatArray, tangent: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Diagonal metric of steps from a state, and the tangent at unit length.
+
+    A step counts by the RMS change of the angle and by the change of the loads against their size.
+    """
+    metric = np.concatenate([QUADRATURE, (10 + np.abs(state[NODES:])) ** -2])
+    return metric, tangent / np.sqrt(metric @ tangent**2)
+
+
+@lru_cache(maxsize=256)
+def _branch_by_first_segment(case: LoadCase, segments: int) -> tuple[Branch, FloatArray]:
+    """The branch with the peaks of the first segment's angle, and the row that picks this angle.
+
+    Mirrored where need be, so that the angle rises from zero: it falls where one segment is the
+    whole joint and bends into an s-shape.
+    """
+    branch = follow(case)
+    row = angle_rows(np.array([1 / segments]))[0]
+    if branch.tangents[0] @ row < 0:
+        branch = Branch(case, -branch.states, -branch.tangents)
+    return _with_peaks(branch, row)[0], row
+
+
+def _first_crossings(branch: Branch, row: FloatArray, targets: FloatArray) -> Equilibria:
+    """The first states with row . state = target; targets are within what is reached."""
+    values = branch.states @ row
+    after = np.maximum(np.searchsorted(np.maximum.accumulate(values), targets), 1)
+    before = after - 1
+    share = ((targets - values[before]) / (values[after] - values[before]))[:, None]
+    guesses = (1 - share) * branch.states[before] + share * branch.states[after]
+    return Equilibria(branch.case, solve(branch.case, guesses, row, targets)[0])
+
+
+def _with_peaks(branch: Branch, row: FloatArray) -> tuple[Branch, NDArray[np.intp]]:
+    """The branch with every local maximum of row . state as one more state, and their indices."""
+    rates = branch.tangents @ row
+    before = np.flatnonzero((rates[:-1] > 0) & (rates[1:] <= 0))
+    if before.size == 0:
+        return branch, before
+    peaks = [_peak(branch, int(index), row) for index in before]
+    states = np.insert(branch.states, before + 1, [state for state, _ in peaks], axis=0)
+    tangents = np.insert(branch.tangents, before + 1, [tangent for _, tangent in peaks], axis=0)
+    return Branch(branch.case, states, tangents), before + 1 + np.arange(before.size)
+
+
+def _peak(branch: Branch, index: int, row: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Maximum of row . state between a state and the next, by false position on its rate."""
+    start, ahead = branch.states[index], branch.tangents[index]
+    metric, unit = _arc(start, ahead)
+    near, far = 0.0, float(metric @ (unit * (branch.states[index + 1] - start)))
+    rate_near, rate_far = float(unit @ row), float(branch.tangents[index + 1] @ row)
+    for _ in range(_PEAK_ITERATIONS):
+        middle = near + (far - near) * rate_near / (rate_near - rate_far)
+        state, tangent = _advance(branch.case, start, ahead, middle)
+        rate = float(tangent @ row)
+        if rate > 0:
+            near, rate_near = middle, rate
+        else:
+            far, rate_far = middle, rate
+    return state, tangent
