@@ -1,0 +1,132 @@
+"""The specification of a joint: what every later stage reads, and nothing that computes.
+
+Angles are in radians and lengths in metres here; `joint.toml` holds degrees and metres. Reading
+and checking that file is the business of `ccgen.joint_file`, which is imported when a file is
+read: importing this module costs nothing.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ccgen.layouts import Spans
+
+AXES = ("u", "v")
+"""The bending axes: u about local x, v about local y."""
+
+CASES = ("end-force", "uniform", "s-shape", "constant-curvature")
+"""The load cases whose shapes the weights are fitted to."""
+
+METHODS = ("direct", "equal", "wam", "noise-aware")
+"""The estimation methods: DEM, E-WAM, WAM, and WAM that knows the sensors' noise."""
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """A joint of equal constant-curvature segments."""
+
+    segments: int
+    length: float
+    """Neutral axis of the whole joint, metres."""
+    range_of_motion: float
+    """Largest bending per segment and axis, radians."""
+
+    @property
+    def segment_length(self) -> float:
+        """Neutral axis of one segment, metres."""
+        return self.length / self.segments
+
+
+@dataclass(frozen=True)
+class Transducer:
+    """What turns a change of length into signed counts."""
+
+    bits: int
+    metres_per_count: float
+    noise: float | None
+    """One standard deviation of the length, metres; None when unknown."""
+    range: tuple[int, int] | None
+    """Lowest and highest count of a reading; None for what the shapes need and a quarter more."""
+
+
+@dataclass(frozen=True)
+class AxisSensors:
+    """The length sensors of one bending axis."""
+
+    spans: Spans
+    radius: float
+    """Distance of the tendons from the neutral axis, metres."""
+    transducer: Transducer
+    placement: str
+    """Name of the layout that gave the spans, or "spans" where the file lists them."""
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """The shapes to fit to and to score with."""
+
+    cases: tuple[str, ...]
+    fit_samples: int
+    """Amplitudes per load case (eq. 6) that the weights are fitted to."""
+    score_samples: int
+    """Amplitudes per load case (eq. 6) that the estimate is scored on."""
+
+
+@dataclass(frozen=True)
+class Can:
+    """The joint's place on the bus."""
+
+    base_id: int
+    extended: bool
+    fd: bool
+    bitrate: int
+    """Bits per second; on CAN FD that of the arbitration."""
+    cycle_ms: int
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A checked joint file."""
+
+    name: str
+    geometry: Geometry
+    u: AxisSensors
+    v: AxisSensors
+    shapes: Shapes
+    method: str
+    precision: int
+    """Bits of counts, weights and angles in the firmware: 16 or 32."""
+    can: Can
+    source: str = field(compare=False)
+    """The file as the user named it: for messages only, never part of an output."""
+
+    def axis(self, name: str) -> AxisSensors:
+        """Return the sensors of axis "u" or "v".
+
+        Raises:
+            ValueError: another name.
+        """
+        if name not in AXES:
+            raise ValueError(f"unknown axis {name!r}; known: {', '.join(AXES)}")
+        return self.u if name == "u" else self.v
+
+
+def read_joint(path: Path) -> Joint:
+    """Read and check a joint file.
+
+    Raises:
+        InputError: in one line the file, the key (or line), what is wrong, what would be right.
+    """
+    from ccgen.joint_file import read
+
+    return read(path)
+
+
+def parse_joint(text: str, source: str) -> Joint:
+    """Check the text of a joint file; `source` names it in messages.
+
+    Raises:
+        InputError: as `read_joint`.
+    """
+    from ccgen.joint_file import parse
+
+    return parse(text, source)

@@ -1,0 +1,153 @@
+"""From the bytes of a joint file to a `Joint`, through TOML and the checked tables."""
+
+import math
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ccgen.errors import InputError
+from ccgen.joint import AXES, AxisSensors, Can, Geometry, Joint, Shapes
+from ccgen.joint_file.messages import KeyProblemError, first_problem, toml_value
+from ccgen.joint_file.names import LONGEST_NAME, name_problem
+from ccgen.joint_file.sensors import axis_sensors
+from ccgen.joint_file.tables import CanTable, JointTable, ShapesTable
+
+_INIT_HINT = "`ccgen init NAME` writes one that works"
+_LARGEST_FILE = 1_000_000
+
+
+def read(path: Path) -> Joint:
+    """Read and check a joint file; see `ccgen.joint.read_joint`."""
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; {_INIT_HINT}") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: is a directory; name a joint file in it") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(data) > _LARGEST_FILE:
+        raise InputError(f"{path}: {len(data)} bytes are no joint file; {_INIT_HINT}")
+    return parse(_decoded(data, str(path)), str(path))
+
+
+def parse(text: str, source: str) -> Joint:
+    """Check the text of a joint file; see `ccgen.joint.parse_joint`."""
+    document = _document(text, source)
+    try:
+        return _joint(JointTable.model_validate(document), source)
+    except ValidationError as error:
+        raise InputError(f"{source}: {first_problem(error)}") from None
+    except KeyProblemError as problem:
+        raise InputError(f"{source}: {problem}") from None
+
+
+def _decoded(data: bytes, source: str) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"{source}: line {line}: byte 0x{data[error.start]:02x} is not UTF-8; "
+            "save the file as UTF-8 text"
+        ) from None
+
+
+def _document(text: str, source: str) -> dict[str, Any]:
+    try:
+        document = tomllib.loads(text)
+    except RecursionError:
+        raise InputError(f"{source}: is nested too deeply; {_INIT_HINT}") from None
+    except ValueError as error:
+        raise InputError(f"{source}: {_syntax_problem(str(error), text)}") from None
+    if not document:
+        raise InputError(f"{source}: is empty; {_INIT_HINT}")
+    return document
+
+
+def _syntax_problem(message: str, text: str) -> str:
+    """Return the line and what tomllib says of it; it names no line at the end of the file."""
+    what, _, where = message.removesuffix(")").rpartition(" (at ")
+    found = re.fullmatch(r"line (\d+), column (\d+)", where)
+    if found:
+        place = f"line {found[1]}, column {found[2]}"
+    else:
+        place = f"line {len(text.rstrip().splitlines())} (the last)"
+    what = what or message.partition(";")[0]
+    return f"{place}: {what[0].lower()}{what[1:]}; write TOML, such as segments = 12"
+
+
+def _joint(table: JointTable, source: str) -> Joint:
+    _check_name(table.name)
+    segments, precision = table.geometry.segments, table.fixed_point.precision
+    u, v = (axis_sensors(table.sensors, axis, segments, precision) for axis in AXES)
+    _check_method(table.estimator.method, {"u": u, "v": v})
+    _check_ids(table.can, _fewest_frames(table, len(u.spans) + len(v.spans)))
+    return Joint(
+        name=table.name,
+        geometry=Geometry(
+            segments=segments,
+            length=float(table.geometry.length),
+            range_of_motion=math.radians(table.geometry.range_of_motion),
+        ),
+        u=u,
+        v=v,
+        shapes=_shapes(table.shapes),
+        method=table.estimator.method,
+        precision=precision,
+        can=Can(**table.can.model_dump()),
+        source=source,
+    )
+
+
+def _check_name(name: str) -> None:
+    problem = name_problem(name)
+    if problem is not None:
+        raise KeyProblemError(
+            f"name: {toml_value(name)} {problem}; "
+            f'write a C identifier of at most {LONGEST_NAME} characters, such as "shoulder"'
+        )
+
+
+def _shapes(table: ShapesTable) -> Shapes:
+    for i, case in enumerate(table.cases):
+        if case in table.cases[:i]:
+            raise KeyProblemError(
+                f'shapes.cases[{i}]: "{case}" stands there twice; write each case once'
+            )
+    return Shapes(tuple(table.cases), table.fit_samples, table.score_samples)
+
+
+def _check_method(method: str, axes: dict[str, AxisSensors]) -> None:
+    unknown = [name for name, axis in axes.items() if axis.transducer.noise is None]
+    if method == "noise-aware" and unknown:
+        table = "sensors" if len(unknown) == len(axes) else f"sensors.{unknown[0]}"
+        raise KeyProblemError(
+            f'{table}.transducer.noise: missing, but method = "noise-aware" weighs by it; '
+            'write noise = 2e-05 (m, one standard deviation), or method = "wam"'
+        )
+
+
+def _fewest_frames(table: JointTable, sensors: int) -> int:
+    """Return how many frames the joint needs at least: lengths, angles, tip and status.
+
+    What counts of more than 24 bits need is known only with their range, in `ccgen.can.layout`.
+    """
+    payload = 61 if table.can.fd else 6
+    count_bytes, angle_bytes = (2, 2) if table.fixed_point.precision == 16 else (3, 4)
+    lengths = math.ceil(sensors / (payload // count_bytes))
+    angles = math.ceil(2 * table.geometry.segments / (payload // angle_bytes))
+    return lengths + angles + 2
+
+
+def _check_ids(can: CanTable, frames: int) -> None:
+    bits = 29 if can.extended else 11
+    highest = 2**bits - frames
+    if can.base_id > highest:
+        raise KeyProblemError(
+            f"can.base_id: {frames} frames from {can.base_id:#x} on exceed {bits} bits; write at "
+            f"most {highest:#x}" + ("" if can.extended else ", or extended = true")
+        )

@@ -1,0 +1,202 @@
+"""The tables of a joint file as pydantic models: types, bounds and defaults of every key.
+
+A field's `description` completes "write ..." in messages and its first example is what such a
+message shows, so both stand beside the bounds they explain. What concerns several keys at once is
+checked in `ccgen.joint_file.sensors` and `ccgen.joint_file.build`.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+MOST_SEGMENTS = 64
+MOST_SENSORS = 8
+"""Sensors of one axis: the STATUS frame's mask has 16 bits for both."""
+
+
+class Table(BaseModel):
+    """A table whose keys are all known and whose values are not converted."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, frozen=True)
+
+
+Metres = Annotated[float, Field(ge=1e-6, le=1e3)]
+Samples = Annotated[int, Field(ge=1, le=1000)]
+
+
+class GeometryTable(Table):
+    """[geometry]."""
+
+    segments: int = Field(
+        ge=1,
+        le=MOST_SEGMENTS,
+        description=f"a whole number from 1 to {MOST_SEGMENTS}",
+        examples=[12],
+    )
+    length: Metres = Field(
+        description="the joint's length in metres, from 1e-6 to 1000", examples=[0.24]
+    )
+    range_of_motion: float = Field(
+        gt=0.0,
+        le=90.0,
+        description="degrees per segment and axis, greater than 0 and at most 90",
+        examples=[3.0],
+    )
+
+
+class TransducerTable(Table):
+    """[sensors.transducer]; every key may instead stand in the table of one axis."""
+
+    bits: int | None = Field(
+        default=None,
+        ge=2,
+        le=32,
+        description="the width of a signed count, from 2 to 16 bits (32 with precision = 32)",
+        examples=[16],
+    )
+    metres_per_count: float | None = Field(
+        default=None,
+        ge=1e-12,
+        le=1.0,
+        description="the length of one count in metres, from 1e-12 to 1",
+        examples=[2.0e-6],
+    )
+    noise: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=1e3,
+        description="one standard deviation of the length in metres, 0 or more",
+        examples=[2.0e-5],
+    )
+    range: list[int] | None = Field(
+        default=None,
+        min_length=2,
+        max_length=2,
+        description="the lowest and the highest count",
+        examples=[[-20000, 20000]],
+    )
+
+
+class AxisTable(Table):
+    """[sensors.u] or [sensors.v]: the keys that differ on that axis."""
+
+    placement: Literal["single", "end-to-end", "heuristic"] | None = Field(
+        default=None,
+        description='"single", "end-to-end" or "heuristic", or list the spans instead',
+        examples=["heuristic"],
+    )
+    spans: list[Annotated[list[int], Field(min_length=2, max_length=2)]] | None = Field(
+        default=None,
+        min_length=1,
+        max_length=MOST_SENSORS,
+        description=f"1 to {MOST_SENSORS} spans [first, last] of segments counted from 0",
+        examples=[[[0, 4], [3, 8], [7, 11]]],
+    )
+    count: int | None = Field(
+        default=None,
+        ge=1,
+        le=MOST_SENSORS,
+        description=f"the number of sensors of an axis, from 1 to {MOST_SENSORS}",
+        examples=[3],
+    )
+    radius: Metres | None = Field(
+        default=None,
+        description="the tendons' distance from the neutral axis in metres, from 1e-6 to 1000",
+        examples=[0.05],
+    )
+    transducer: TransducerTable = Field(
+        default=TransducerTable(),
+        description="a table of its own",
+        examples=["[sensors.transducer]"],
+    )
+
+
+class SensorsTable(AxisTable):
+    """[sensors]: for both axes, with what differs on one of them in `u` and `v`."""
+
+    u: AxisTable = Field(
+        default=AxisTable(), description="a table of its own", examples=["[sensors.u]"]
+    )
+    v: AxisTable = Field(
+        default=AxisTable(), description="a table of its own", examples=["[sensors.v]"]
+    )
+
+
+class ShapesTable(Table):
+    """[shapes]."""
+
+    cases: list[Literal["end-force", "uniform", "s-shape", "constant-curvature"]] = Field(
+        default=["end-force", "uniform", "s-shape", "constant-curvature"],
+        min_length=1,
+        description='one or more of "end-force", "uniform", "s-shape", "constant-curvature"',
+        examples=[["end-force", "uniform"]],
+    )
+    # Equation 6 defines i = 1 ... s for any s >= 1; a thousand is a thousandth of the range.
+    fit_samples: Samples = Field(
+        default=30, description="amplitudes per load case, from 1 to 1000", examples=[30]
+    )
+    score_samples: Samples = Field(
+        default=10, description="amplitudes per load case, from 1 to 1000", examples=[10]
+    )
+
+
+class EstimatorTable(Table):
+    """[estimator]."""
+
+    method: Literal["direct", "equal", "wam", "noise-aware"] = Field(
+        default="wam",
+        description='"direct", "equal", "wam" or "noise-aware"',
+        examples=["wam"],
+    )
+
+
+class FixedPointTable(Table):
+    """[fixed_point]."""
+
+    precision: int = Field(
+        default=16, ge=16, le=32, multiple_of=16, description="16 or 32", examples=[16]
+    )
+
+
+class CanTable(Table):
+    """[can]."""
+
+    base_id: int = Field(
+        default=0x300,
+        ge=0,
+        le=0x1FFFFFFF,
+        description="an identifier of 11 bits, or of 29 with extended = true",
+        examples=[0x300],
+    )
+    extended: bool = Field(default=False, description="true or false", examples=[False])
+    fd: bool = Field(default=False, description="true or false", examples=[False])
+    bitrate: int = Field(
+        default=1_000_000,
+        ge=10_000,
+        le=1_000_000,
+        description="bits per second of the arbitration, from 10_000 to 1_000_000",
+        examples=[1_000_000],
+    )
+    cycle_ms: int = Field(
+        default=10, ge=1, le=1000, description="milliseconds, from 1 to 1000", examples=[10]
+    )
+
+
+class JointTable(Table):
+    """The whole file."""
+
+    name: str = Field(description="a C identifier of at most 20 characters", examples=["shoulder"])
+    geometry: GeometryTable = Field(
+        description="a table with segments, length and range_of_motion", examples=["[geometry]"]
+    )
+    sensors: SensorsTable = Field(
+        default=SensorsTable(), description="a table with radius and more", examples=["[sensors]"]
+    )
+    shapes: ShapesTable = Field(default=ShapesTable(), description="a table", examples=["[shapes]"])
+    estimator: EstimatorTable = Field(
+        default=EstimatorTable(), description="a table", examples=["[estimator]"]
+    )
+    fixed_point: FixedPointTable = Field(
+        default=FixedPointTable(), description="a table", examples=["[fixed_point]"]
+    )
+    can: CanTable = Field(default=CanTable(), description="a table", examples=["[can]"])
