@@ -1,0 +1,95 @@
+"""From a method's name, or a whole joint, to weights."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ccgen.errors import InputError
+from ccgen.estimation.noise_aware import noise_aware
+from ccgen.estimation.simple import direct, equal
+from ccgen.estimation.wam import wam, wam_paper_call
+from ccgen.estimation.weights import Floats, Weights
+from ccgen.layouts import Spans
+
+if TYPE_CHECKING:
+    from ccgen.joint import Joint
+    from ccgen.shapes import ShapeLibrary
+
+FIT_METHODS = ("direct", "equal", "wam", "noise-aware", "wam-paper-call")
+
+
+def fit_weights(
+    method: str, library: "ShapeLibrary", spans: Spans, noise_rad: ArrayLike | None = None
+) -> Weights:
+    """Weights by the method of that name, one of `FIT_METHODS`.
+
+    Args:
+        method: its name.
+        library: shapes to fit.
+        spans: the n sensors' spans.
+        noise_rad: noise of the normalised readings, shape (n,), radians; "noise-aware" needs it.
+
+    Raises:
+        InputError: unknown method, spans that the method cannot use, or noise not given.
+    """
+    segments = library.angles.shape[1]
+    if method == "direct":
+        return direct(segments, spans)
+    if method == "equal":
+        return equal(segments, spans)
+    if method == "wam":
+        return wam(library, spans)
+    if method == "wam-paper-call":
+        return wam_paper_call(library, spans)
+    if method != "noise-aware":
+        raise InputError(f"unknown method {method!r}; give one of {', '.join(FIT_METHODS)}")
+    if noise_rad is None:
+        raise InputError(
+            '"noise-aware" needs the noise of the readings; state sensors.transducer.noise '
+            '(metres, one standard deviation) or use "wam"'
+        )
+    return noise_aware(library, spans, noise_rad)
+
+
+def fit_joint(
+    joint: "Joint", method: str | None = None, library: "ShapeLibrary | None" = None
+) -> dict[str, Weights]:
+    """Weights of both axes, under the keys "u" and "v".
+
+    Args:
+        joint: the joint.
+        method: instead of the joint's own.
+        library: shapes to fit instead of the joint's simulated ones.
+
+    Raises:
+        InputError: as `fit_weights`, naming the joint's file and the axis; ReachError: a shape
+            that no load reaches.
+    """
+    if library is None:
+        from ccgen.shapes import fit_library
+
+        library = fit_library(joint)
+    method = method or joint.method
+    return {axis: _fit_axis(joint, axis, method, library) for axis in ("u", "v")}
+
+
+def reading_noise(joint: "Joint", axis: str) -> Floats | None:
+    """Standard deviation of the normalised readings, shape (n,), radians; None if not stated.
+
+    A transducer's noise in metres, the same for each sensor of the axis, over p_j r: a long span
+    averages it down.
+    """
+    sensors = joint.axis(axis)
+    if sensors.transducer.noise is None:
+        return None
+    lengths = np.array([b - a + 1 for a, b in sensors.spans])
+    noise: Floats = sensors.transducer.noise / (lengths * sensors.radius)
+    return noise
+
+
+def _fit_axis(joint: "Joint", axis: str, method: str, library: "ShapeLibrary") -> Weights:
+    try:
+        return fit_weights(method, library, joint.axis(axis).spans, reading_noise(joint, axis))
+    except InputError as error:
+        raise InputError(f"{joint.source}: estimator.method: axis {axis}: {error}") from error

@@ -1,0 +1,167 @@
+"""Linear regression with the soft-L1 loss, solved to its minimum for many problems at once.
+
+The loss of a residual r is f^2 (sqrt(1 + (r / f)^2) - 1): r^2 / 2 for small residuals, f |r| for
+outliers. It is the `loss="soft_l1", f_scale=f` of `scipy.optimize.least_squares`, whose
+trust-region search stops on absolute tolerances that small residuals meet long before the
+minimum. The sum over linear residuals is convex, so the minimum is unique in the row space of the
+readings, and Newton's method in an orthonormal basis finds it to rounding in a few steps.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.errors import InputError
+from ccgen.estimation.weights import Floats
+
+MAX_STEPS = 500
+SHARES = tuple(0.25**k for k in range(1, 7))
+"""Shares of a Newton step to try where the whole step overshoots."""
+CHUNK = 1 << 17
+"""Residuals worked on at once: few enough to stay in the processor's cache."""
+EPS = float(np.finfo(np.float64).eps)
+
+
+def soft_l1(residuals: Floats, f_scale: float) -> Floats:
+    """Sum of the loss over the last dimension, in the residuals' unit squared.
+
+    Args:
+        residuals: shape (..., N).
+        f_scale: residual at which the loss turns from quadratic to linear, same unit.
+
+    Returns:
+        Shape (...), equal to the `cost` of `least_squares`.
+    """
+    z = np.square(residuals / f_scale)
+    # sqrt(1 + z) - 1 without the cancellation that would eat small residuals.
+    loss: Floats = f_scale**2 * (z / (np.sqrt(1.0 + z) + 1.0)).sum(axis=-1)
+    return loss
+
+
+def minimise(readings: Floats, targets: Floats, f_scale: float) -> Floats:
+    """Weights that minimise the soft-L1 loss of readings @ weights - target, per target.
+
+    Directions of the readings whose singular value is below rounding (N eps of the largest) get
+    no weight: among equally good minima this is the one of smallest norm.
+
+    Args:
+        readings: shape (*batch, N samples, n sensors).
+        targets: shape (N, m segments), the same for the whole batch.
+        f_scale: unit of the targets.
+
+    Returns:
+        Shape (*batch, m, n).
+
+    Raises:
+        InputError: no convergence, because gross outliers outnumber the other samples.
+    """
+    samples, sensors = readings.shape[-2:]
+    batch = readings.reshape(-1, samples, sensors)
+    chunk = max(1, CHUNK // targets.size)
+    weights = [
+        _minimise_chunk(batch[k : k + chunk], targets.T, f_scale)
+        for k in range(0, len(batch), chunk)
+    ]
+    return np.concatenate(weights).reshape(*readings.shape[:-2], targets.shape[1], sensors)
+
+
+def _minimise_chunk(readings: Floats, targets: Floats, f_scale: float) -> Floats:
+    """Weights, shape (B, m, n), for readings (B, N, n) and targets (m, N)."""
+    left, singular, right = np.linalg.svd(readings, full_matrices=False)
+    kept = singular > singular[:, :1] * readings.shape[1] * EPS
+    bases = _Bases(np.where(kept[:, None, :], left, 0.0), kept)
+    coordinates = _descend(bases, targets, f_scale)
+    inverse = np.divide(1.0, singular, out=np.zeros_like(singular), where=kept)
+    weights: Floats = (coordinates * inverse[:, None, :]) @ right
+    return weights
+
+
+class _Bases:
+    """Orthonormal bases of B readings' column spaces, and what every step needs of them."""
+
+    def __init__(self, vectors: Floats, kept: NDArray[np.bool_]) -> None:
+        """Take vectors, shape (B, N, k), zero where `kept`, shape (B, k), is false."""
+        self.vectors = vectors
+        self.kept = kept
+        batch, samples, k = vectors.shape
+        self.squares = (vectors[..., :, None] * vectors[..., None, :]).reshape(
+            batch, samples, k * k
+        )
+
+    def __getitem__(self, some: NDArray[np.bool_]) -> "_Bases":
+        return _Bases(self.vectors[some], self.kept[some])
+
+    def residuals(self, at: Floats, targets: Floats) -> Floats:
+        """Residuals, shape (B, m, N), at coordinates of shape (B, m, k)."""
+        difference: Floats = at @ np.swapaxes(self.vectors, 1, 2) - targets
+        return difference
+
+    def step(self, curvature: Floats, gradient: Floats) -> Floats:
+        """Solve the weighted normal equations, shape (B, m, k).
+
+        Dropped directions have a zero gradient; a unit diagonal keeps them where they are. For
+        the others rounding size suffices: it keeps the system regular when outliers empty a
+        direction.
+        """
+        k = self.kept.shape[1]
+        diagonal = np.where(self.kept, EPS, 1.0)[:, None, :, None] * np.eye(k)
+        hessian = (curvature @ self.squares).reshape(*gradient.shape, k) + diagonal
+        return np.linalg.solve(hessian, gradient[..., None])[..., 0].astype(np.float64, copy=False)
+
+
+def _descend(bases: _Bases, targets: Floats, f_scale: float) -> Floats:
+    """Coordinates of the minimum, shape (B, m, k), from the least-squares solution on."""
+    at: Floats = targets @ bases.vectors
+    pending = np.arange(len(at))
+    for _ in range(MAX_STEPS):
+        at[pending], moved = _improve(bases, at[pending], targets, f_scale)
+        if not moved.any():
+            return at
+        if not moved.all():
+            pending, bases = pending[moved], bases[moved]
+    raise InputError(
+        f"the robust fit did not settle in {MAX_STEPS} steps; remove the gross outliers, which "
+        "outweigh the rest of the samples"
+    )
+
+
+def _improve(
+    bases: _Bases, at: Floats, targets: Floats, f_scale: float
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """One step for each problem, and which of the B batches still move.
+
+    Newton's step converges quadratically near the minimum but may overshoot among outliers; where
+    it lowers the loss by less than half of its promise, shares of it compete with the reweighted
+    least-squares step, which majorises the loss and so never raises it. A problem rests once
+    Newton promises less than rounding, or nothing lowers its loss.
+    """
+    residuals = bases.residuals(at, targets)
+    loss = soft_l1(residuals, f_scale)
+    reweight = 1.0 / np.sqrt(1.0 + np.square(residuals / f_scale))
+    gradient = (residuals * reweight) @ bases.vectors
+    step = bases.step(reweight**3, gradient)
+    promise = 0.5 * (gradient * step).sum(axis=-1)
+    moving = promise > residuals.shape[-1] * EPS * loss
+    if not moving.any():
+        return at, moving.any(axis=1)
+    best, lowest = _lowest(bases, [at - step], targets, f_scale)
+    short = (moving & (lowest > loss - 0.5 * promise)).any(axis=1)
+    if short.any():
+        some, start = bases[short], at[short]
+        tries = [best[short], start - some.step(reweight[short], gradient[short])]
+        tries += [start - step[short] * share for share in SHARES]
+        best[short], lowest[short] = _lowest(some, tries, targets, f_scale)
+    moving &= lowest < loss
+    return np.where(moving[..., None], best, at), moving.any(axis=1)
+
+
+def _lowest(
+    bases: _Bases, tries: list[Floats], targets: Floats, f_scale: float
+) -> tuple[Floats, Floats]:
+    """Of several coordinates, for each problem those of the lowest loss, and that loss."""
+    best = tries[0]
+    lowest = soft_l1(bases.residuals(best, targets), f_scale)
+    for other in tries[1:]:
+        loss = soft_l1(bases.residuals(other, targets), f_scale)
+        best = np.where((loss < lowest)[..., None], other, best)
+        lowest = np.minimum(loss, lowest)
+    return best, lowest
