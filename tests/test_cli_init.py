@@ -1,0 +1,183 @@
+"""`ccgen init`, and what all commands share: help, exit status, errors in one line."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+
+from ccgen import __version__
+from ccgen.cli.failures import in_one_line
+from ccgen.cli.init import joint_text
+from ccgen.cli.main import app, main
+from ccgen.cli.output import print_json
+from ccgen.errors import CheckError, InputError
+from ccgen.joint import parse_joint
+
+REQUIRED_ONLY = """\
+name = "elbow"
+[geometry]
+segments = 12
+length = 0.24
+range_of_motion = 3.0
+[sensors]
+radius = 0.05
+[sensors.transducer]
+metres_per_count = 2.0e-6
+noise = 2.0e-5
+"""
+
+
+def ccgen(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    return int(end.value.code or 0)
+
+
+@pytest.fixture(autouse=True)
+def _in_an_empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def test_init_writes_a_file_that_works(capsys):
+    assert ccgen("init", "elbow") == 0
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err == "ccgen: wrote elbow.toml; `ccgen fit elbow.toml` tells how well its sensors do\n"
+    assert parse_joint(Path("elbow.toml").read_text(), "elbow.toml").name == "elbow"
+
+
+def test_the_values_it_shows_are_the_defaults():
+    assert parse_joint(joint_text("elbow"), "a") == parse_joint(REQUIRED_ONLY, "b")
+
+
+def test_every_line_of_the_file_fits_the_screen():
+    for name in ("a", "x" * 20):
+        assert max(len(line) for line in joint_text(name).splitlines()) <= 100
+
+
+def test_the_lines_that_are_commented_out_work():
+    text = joint_text("elbow")
+    for line in (
+        "range = [-20000, 20000]",
+        "[sensors.v]",
+        "radius = 0.04",
+        "[sensors.v.transducer]",
+        "metres_per_count = 1.0e-6",
+    ):
+        assert f"\n# {line}" in text
+        text = text.replace(f"\n# {line}", f"\n{line}")
+    joint = parse_joint(text, "elbow.toml")
+    assert (joint.u.transducer.range, joint.v.radius) == ((-20000, 20000), 0.04)
+    assert (joint.u.radius, joint.v.transducer.metres_per_count) == (0.05, 1e-6)
+
+
+def test_init_replaces_a_file_only_when_told_to(capsys):
+    Path("mine.toml").write_text("mine")
+    assert ccgen("init", "elbow", "-o", "mine.toml") == 2
+    assert capsys.readouterr().err == (
+        "ccgen: error: mine.toml: exists already; give another file with -o, or --force\n"
+    )
+    assert Path("mine.toml").read_text() == "mine"
+    assert ccgen("init", "elbow", "-o", "mine.toml", "--force") == 0
+    assert Path("mine.toml").read_text() == joint_text("elbow")
+
+
+@pytest.mark.parametrize("name", ["int", 'a"b', "../elbow", "", "x" * 21])
+def test_init_refuses_names_that_c_cannot_take(capsys, name):
+    assert ccgen("init", name) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith(f"ccgen: error: NAME: {name!r} ")
+    assert err.endswith("give a C identifier of at most 20 characters, such as shoulder\n")
+    assert list(Path().iterdir()) == []
+
+
+def test_init_names_a_folder_that_cannot_be_written(capsys):
+    assert ccgen("init", "elbow", "-o", "/proc/ccgen/elbow.toml") == 2
+    assert "/proc/ccgen: cannot be written" in capsys.readouterr().err
+
+
+def test_the_version_is_printed(capsys):
+    assert ccgen("--version") == 0
+    assert capsys.readouterr().out == f"ccgen {__version__}\n"
+
+
+def test_every_help_carries_an_example(capsys):
+    assert ccgen("--help") == 0
+    listed = capsys.readouterr().out
+    for command in app.registered_commands:
+        assert command.callback is not None
+        name = command.callback.__name__
+        assert f"\n  {name} " in listed
+        assert ccgen(name, "--help") == 0
+        assert f"\n    ccgen {name} " in capsys.readouterr().out
+
+
+def test_wrong_usage_ends_with_status_2(capsys):
+    assert ccgen("init") == 2
+    assert ccgen("init", "elbow", "--colour") == 2
+    assert ccgen("initialise") == 2
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("place", ["before", "after"])
+def test_debug_shows_the_traceback_before_the_line(capsys, place):
+    words = ["--debug", "init", "int"] if place == "before" else ["init", "int", "--debug"]
+    assert ccgen(*words) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("Traceback (most recent call last):")
+    assert err.splitlines()[-1].startswith("ccgen: error: NAME: 'int' is a keyword")
+    assert ccgen("init", "int") == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "line"),
+    [
+        (InputError("joint.toml: x"), 2, "ccgen: error: joint.toml: x\n"),
+        (CheckError("3 mismatches"), 1, "ccgen: error: 3 mismatches\n"),
+        (KeyboardInterrupt(), 130, "ccgen: interrupted\n"),
+        (OSError(28, "No space left", "f"), 2, "ccgen: error: f: no space left\n"),
+    ],
+)
+def test_errors_are_one_line_and_a_status(capsys, error, status, line):
+    def command() -> None:
+        raise error
+
+    with pytest.raises(typer.Exit) as end:
+        in_one_line(command)()
+    assert end.value.exit_code == status
+    assert capsys.readouterr() == ("", line)
+
+
+def test_a_defect_of_the_program_keeps_its_traceback():
+    def command() -> None:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        in_one_line(command)()
+
+
+def test_json_is_one_object_of_real_numbers(capsys):
+    print_json({"a": [1, 2.5], "b": {"c": None}})
+    assert json.loads(capsys.readouterr().out) == {"a": [1, 2.5], "b": {"c": None}}
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        print_json({"a": float("nan")})
+
+
+def test_help_imports_nothing_heavy():
+    program = (
+        "import sys, ccgen.cli.main\n"
+        "heavy = {'numpy', 'scipy', 'pydantic', 'casadi', 'matplotlib', 'can', 'cantools',\n"
+        "         'jinja2', 'rich'}\n"
+        "print(heavy & set(sys.modules))\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True,
+        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
+    )  # fmt: skip
+    assert run.stdout == "set()\n"
