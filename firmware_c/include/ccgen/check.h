@@ -26,6 +26,15 @@
 #define CCGEN_INLINE static inline
 #endif
 
+/** Initialises every field of a structure with zero, without a warning in either language. */
+#if defined(__cplusplus)
+#define CCGEN_ZERO \
+    {              \
+    }
+#else
+#define CCGEN_ZERO {0}
+#endif
+
 /** Most sensors on one bending axis: the status frame has eight bits for each axis. */
 #define CCGEN_AXIS_SENSORS_MAX 8
 

@@ -151,6 +151,35 @@ CCGEN_INLINE int16_t ccgen_axis16_angle(const ccgen_axis16_t *const axis, const 
 }
 
 /**
+ * Evaluates the model without checking anything: for counts that ccgen_axis16_missing() found to be
+ * complete, so that a joint of two axes is checked as a whole before anything is written.
+ * \param[in] axis     valid model
+ * \param[in] zero     [sensors] counts at the straight pose, each within its sensor's range
+ * \param[in] counts   [sensors] counts of one snapshot, each within its sensor's range
+ * \param[out] angles  [segments] angles in steps of 2^-fraction_bits rad; may not overlap the
+ * inputs
+ */
+CCGEN_INLINE void ccgen_axis16_evaluate(const ccgen_axis16_t *const axis, const int16_t *const zero,
+                                        const int16_t *const counts, int16_t *const angles) {
+    const ccgen_differences16_t differences = {{
+        ccgen_axis16_difference(axis, zero, counts, 0),
+        ccgen_axis16_difference(axis, zero, counts, 1),
+        ccgen_axis16_difference(axis, zero, counts, 2),
+        ccgen_axis16_difference(axis, zero, counts, 3),
+        ccgen_axis16_difference(axis, zero, counts, 4),
+        ccgen_axis16_difference(axis, zero, counts, 5),
+        ccgen_axis16_difference(axis, zero, counts, 6),
+        ccgen_axis16_difference(axis, zero, counts, 7),
+    }};
+    const size_t words = 1u + ((size_t)axis->sensors + 1u) / 2u;
+    const uint32_t *row = axis->rows;
+    for (uint16_t i = 0; i < axis->segments; ++i) {
+        angles[i] = ccgen_axis16_angle(axis, row, &differences);
+        row += words;
+    }
+}
+
+/**
  * Estimates the angles of all segments of one axis.
  * \param[in] axis     model
  * \param[in] zero     [sensors] counts at the straight pose, each within its sensor's range
@@ -168,22 +197,7 @@ CCGEN_INLINE int ccgen_axis16_estimate(const ccgen_axis16_t *const axis, const i
     if (ccgen_axis16_missing(axis, counts) != 0) {
         return CCGEN_ERROR_MISSING;
     }
-    const ccgen_differences16_t differences = {{
-        ccgen_axis16_difference(axis, zero, counts, 0),
-        ccgen_axis16_difference(axis, zero, counts, 1),
-        ccgen_axis16_difference(axis, zero, counts, 2),
-        ccgen_axis16_difference(axis, zero, counts, 3),
-        ccgen_axis16_difference(axis, zero, counts, 4),
-        ccgen_axis16_difference(axis, zero, counts, 5),
-        ccgen_axis16_difference(axis, zero, counts, 6),
-        ccgen_axis16_difference(axis, zero, counts, 7),
-    }};
-    const size_t words = 1u + ((size_t)axis->sensors + 1u) / 2u;
-    const uint32_t *row = axis->rows;
-    for (uint16_t i = 0; i < axis->segments; ++i) {
-        angles[i] = ccgen_axis16_angle(axis, row, &differences);
-        row += words;
-    }
+    ccgen_axis16_evaluate(axis, zero, counts, angles);
     return CCGEN_OK;
 }
 

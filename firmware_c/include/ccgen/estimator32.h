@@ -123,6 +123,34 @@ CCGEN_INLINE int32_t ccgen_axis32_angle(const ccgen_axis32_t *const axis, const 
 }
 
 /**
+ * Evaluates the model without checking anything: for counts that ccgen_axis32_missing() found to be
+ * complete, so that a joint of two axes is checked as a whole before anything is written.
+ * \param[in] axis     valid model
+ * \param[in] zero     [sensors] counts at the straight pose, each within its sensor's range
+ * \param[in] counts   [sensors] counts of one snapshot, each within its sensor's range
+ * \param[out] angles  [segments] angles in steps of 2^-fraction_bits rad; may not overlap the
+ * inputs
+ */
+CCGEN_INLINE void ccgen_axis32_evaluate(const ccgen_axis32_t *const axis, const int32_t *const zero,
+                                        const int32_t *const counts, int32_t *const angles) {
+    const ccgen_differences32_t differences = {{
+        ccgen_axis32_difference(axis, zero, counts, 0),
+        ccgen_axis32_difference(axis, zero, counts, 1),
+        ccgen_axis32_difference(axis, zero, counts, 2),
+        ccgen_axis32_difference(axis, zero, counts, 3),
+        ccgen_axis32_difference(axis, zero, counts, 4),
+        ccgen_axis32_difference(axis, zero, counts, 5),
+        ccgen_axis32_difference(axis, zero, counts, 6),
+        ccgen_axis32_difference(axis, zero, counts, 7),
+    }};
+    const int32_t *weights = axis->weights;
+    for (uint16_t i = 0; i < axis->segments; ++i) {
+        angles[i] = ccgen_axis32_angle(axis, axis->bias[i], weights, &differences);
+        weights += axis->sensors;
+    }
+}
+
+/**
  * Estimates the angles of all segments of one axis.
  * \param[in] axis     model
  * \param[in] zero     [sensors] counts at the straight pose, each within its sensor's range
@@ -140,21 +168,7 @@ CCGEN_INLINE int ccgen_axis32_estimate(const ccgen_axis32_t *const axis, const i
     if (ccgen_axis32_missing(axis, counts) != 0) {
         return CCGEN_ERROR_MISSING;
     }
-    const ccgen_differences32_t differences = {{
-        ccgen_axis32_difference(axis, zero, counts, 0),
-        ccgen_axis32_difference(axis, zero, counts, 1),
-        ccgen_axis32_difference(axis, zero, counts, 2),
-        ccgen_axis32_difference(axis, zero, counts, 3),
-        ccgen_axis32_difference(axis, zero, counts, 4),
-        ccgen_axis32_difference(axis, zero, counts, 5),
-        ccgen_axis32_difference(axis, zero, counts, 6),
-        ccgen_axis32_difference(axis, zero, counts, 7),
-    }};
-    const int32_t *weights = axis->weights;
-    for (uint16_t i = 0; i < axis->segments; ++i) {
-        angles[i] = ccgen_axis32_angle(axis, axis->bias[i], weights, &differences);
-        weights += axis->sensors;
-    }
+    ccgen_axis32_evaluate(axis, zero, counts, angles);
     return CCGEN_OK;
 }
 

@@ -39,7 +39,7 @@ typedef struct {
     uint8_t segments;    /**< 1 to CCGEN_SEGMENTS_MAX */
     uint8_t count_bytes; /**< of a count on the bus: 2, 3 or 4 */
     uint8_t angle_bytes; /**< of an angle on the bus: 2 or 4 */
-    uint32_t cycle_us;   /**< a status is due this often; 1 to CCGEN_PERIOD_MAX_US */
+    uint32_t cycle_us;   /**< period of snapshots and of the status; 1 to CCGEN_PERIOD_MAX_US */
     uint32_t window_us;  /**< a snapshot's frames arrive within this time of its first */
 } ccgen_layout_t;
 
@@ -85,7 +85,7 @@ ccgen_frame_kind_t ccgen_layout_kind(const ccgen_layout_t *layout, const ccgen_f
                                      uint16_t *slot);
 
 /**
- * Starts a frame: identifier, kind and length set, all data 0.
+ * Starts a frame: identifier, kind and length set, all bytes of that length 0.
  * \param[in] layout
  * \param[in] index   0 to ccgen_layout_status_index()
  * \param[out] frame

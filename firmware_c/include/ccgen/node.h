@@ -34,12 +34,12 @@ typedef struct {
     uint16_t missing;   /**< bit j: u sensor j, bit 8 + j: v sensor j of the latest snapshot */
 
     uint32_t status_us;
+    uint32_t status_wait_us;
     uint16_t next;
     int16_t tip[3];
     uint8_t published;
     uint8_t status_counter;
     bool estimated;
-    bool status_started;
 } ccgen_node_t;
 
 /**

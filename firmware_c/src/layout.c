@@ -1,0 +1,139 @@
+#include "ccgen/layout.h"
+
+#include "ccgen/integer.h"
+
+#define CLASSIC_LENGTH 8u
+#define FD_LENGTH 64u
+#define STANDARD_ID_MAX 0x7FFu
+#define EXTENDED_ID_MAX 0x1FFFFFFFu
+
+static bool axes_valid(const ccgen_layout_t *const layout) {
+    return (layout->sensors_u >= 1u) && (layout->sensors_u <= CCGEN_AXIS_SENSORS_MAX) &&
+           (layout->sensors_v >= 1u) && (layout->sensors_v <= CCGEN_AXIS_SENSORS_MAX) &&
+           (layout->segments >= 1u) && (layout->segments <= CCGEN_SEGMENTS_MAX);
+}
+
+static bool signals_valid(const ccgen_layout_t *const layout) {
+    return (layout->count_bytes >= 2u) && (layout->count_bytes <= 4u) &&
+           ((layout->angle_bytes == 2u) || (layout->angle_bytes == 4u));
+}
+
+static bool times_valid(const ccgen_layout_t *const layout) {
+    return (layout->cycle_us >= 1u) && (layout->cycle_us <= CCGEN_PERIOD_MAX_US) &&
+           (layout->window_us >= 1u) && (layout->window_us <= CCGEN_PERIOD_MAX_US);
+}
+
+static bool identifiers_valid(const ccgen_layout_t *const layout) {
+    const uint32_t last = layout->extended ? EXTENDED_ID_MAX : STANDARD_ID_MAX;
+    return (layout->base_id <= last) &&
+           ((uint32_t)ccgen_layout_status_index(layout) <= (last - layout->base_id));
+}
+
+bool ccgen_layout_valid(const ccgen_layout_t *const layout) {
+    return (layout != NULL) && axes_valid(layout) && signals_valid(layout) && times_valid(layout) &&
+           identifiers_valid(layout);
+}
+
+ccgen_e2e_profile_t ccgen_layout_profile(const ccgen_layout_t *const layout) {
+    return layout->fd ? CCGEN_E2E_P05 : CCGEN_E2E_P01;
+}
+
+uint8_t ccgen_layout_frame_length(const ccgen_layout_t *const layout) {
+    return layout->fd ? FD_LENGTH : CLASSIC_LENGTH;
+}
+
+uint8_t ccgen_layout_slots(const ccgen_layout_t *const layout, const uint8_t bytes) {
+    const size_t header = ccgen_e2e_header(ccgen_layout_profile(layout));
+    return (uint8_t)((ccgen_layout_frame_length(layout) - header) / bytes);
+}
+
+/** \return frames that `signals` signals of `bytes` bytes need. */
+static uint8_t frames_for(const ccgen_layout_t *const layout, const uint16_t signals,
+                          const uint8_t bytes) {
+    const uint16_t slots = ccgen_layout_slots(layout, bytes);
+    return (uint8_t)((uint16_t)(signals + slots - 1u) / slots);
+}
+
+uint8_t ccgen_layout_lengths_frames(const ccgen_layout_t *const layout) {
+    const uint16_t signals = (uint16_t)(layout->sensors_u + layout->sensors_v);
+    return frames_for(layout, signals, layout->count_bytes);
+}
+
+uint8_t ccgen_layout_angles_frames(const ccgen_layout_t *const layout) {
+    return frames_for(layout, (uint16_t)(2u * layout->segments), layout->angle_bytes);
+}
+
+uint16_t ccgen_layout_tip_index(const ccgen_layout_t *const layout) {
+    return (uint16_t)(ccgen_layout_lengths_frames(layout) + ccgen_layout_angles_frames(layout));
+}
+
+uint16_t ccgen_layout_status_index(const ccgen_layout_t *const layout) {
+    return (uint16_t)(ccgen_layout_tip_index(layout) + 1u);
+}
+
+ccgen_frame_kind_t ccgen_layout_kind(const ccgen_layout_t *const layout,
+                                     const ccgen_frame_t *const frame, uint16_t *const slot) {
+    const uint32_t index = frame->id - layout->base_id;
+    const uint16_t lengths = ccgen_layout_lengths_frames(layout);
+    const uint16_t tip = ccgen_layout_tip_index(layout);
+    ccgen_frame_kind_t kind = CCGEN_FRAME_STATUS;
+    uint16_t first = (uint16_t)(tip + 1u);
+    if ((frame->extended != layout->extended) || (frame->id < layout->base_id) || (index > first)) {
+        return CCGEN_FRAME_FOREIGN;
+    }
+    if (index < lengths) {
+        kind = CCGEN_FRAME_LENGTHS;
+        first = 0;
+    } else if (index < tip) {
+        kind = CCGEN_FRAME_ANGLES;
+        first = lengths;
+    } else if (index == tip) {
+        kind = CCGEN_FRAME_TIP;
+        first = tip;
+    }
+    if (slot != NULL) {
+        *slot = (uint16_t)(index - first);
+    }
+    return kind;
+}
+
+void ccgen_layout_begin(const ccgen_layout_t *const layout, const uint16_t index,
+                        ccgen_frame_t *const frame) {
+    frame->id = layout->base_id + index;
+    frame->extended = layout->extended;
+    frame->fd = layout->fd;
+    frame->remote = false;
+    frame->rate_switch = false;
+    frame->length = ccgen_layout_frame_length(layout);
+    for (uint8_t i = 0; i < frame->length; ++i) {
+        frame->data[i] = 0;
+    }
+}
+
+int ccgen_layout_protect(const ccgen_layout_t *const layout, const uint8_t counter,
+                         ccgen_frame_t *const frame) {
+    return ccgen_e2e_protect(ccgen_layout_profile(layout), (uint16_t)(frame->id & 0xFFFFu), counter,
+                             frame->data, frame->length);
+}
+
+void ccgen_put_signed(uint8_t *const data, const uint8_t bytes, const int32_t value) {
+    uint32_t word = (uint32_t)value;
+    for (uint8_t i = 0; i < bytes; ++i) {
+        data[i] = (uint8_t)(word & 0xFFu);
+        word >>= 8;
+    }
+}
+
+int32_t ccgen_get_signed(const uint8_t *const data, const uint8_t bytes) {
+    uint32_t word = 0;
+    for (uint8_t i = bytes; i > 0u; --i) {
+        word = (word << 8) | data[i - 1u];
+    }
+    const uint32_t sign = (uint32_t)1u << (8u * bytes - 1u);
+    return ccgen_signed32((word ^ sign) - sign);
+}
+
+int32_t ccgen_no_reading(const uint8_t bytes) {
+    const uint32_t sign = (uint32_t)1u << (8u * bytes - 1u);
+    return ccgen_signed32(0u - sign);
+}

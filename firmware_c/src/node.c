@@ -1,0 +1,203 @@
+#include "ccgen/node.h"
+
+#include "ccgen/integer.h"
+
+#define TIP_BYTES 2u
+
+/** The angles of the snapshot last published, of either precision; the other pair is NULL. */
+typedef struct {
+    const int16_t *u16;
+    const int16_t *v16;
+    const int32_t *u32;
+    const int32_t *v32;
+} angles_t;
+
+int ccgen_node_init(const ccgen_layout_t *const layout, ccgen_node_t *const node) {
+    const ccgen_node_t empty = CCGEN_ZERO;
+    if ((node == NULL) || !ccgen_layout_valid(layout)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    *node = empty;
+    node->next = (uint16_t)(ccgen_layout_status_index(layout) + 1u);
+    return ccgen_snapshot_init(layout, &node->snapshot);
+}
+
+int ccgen_node_receive(const ccgen_layout_t *const layout, ccgen_node_t *const node,
+                       const ccgen_frame_t *const frame, const uint32_t now_us) {
+    if (node == NULL) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    return ccgen_snapshot_receive(layout, &node->snapshot, frame, now_us);
+}
+
+/** \return a count of the bus in 16 bits; what does not fit is no reading. */
+static int16_t narrow_count(const int32_t count) {
+    return ((count > INT16_MAX) || (count < INT16_MIN)) ? (int16_t)INT16_MIN : (int16_t)count;
+}
+
+int ccgen_node_counts16(const ccgen_layout_t *const layout, const ccgen_node_t *const node,
+                        int16_t *const u, int16_t *const v) {
+    if ((layout == NULL) || (node == NULL) || (u == NULL) || (v == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    for (uint8_t j = 0; j < layout->sensors_u; ++j) {
+        u[j] = narrow_count(node->snapshot.counts[j]);
+    }
+    for (uint8_t j = 0; j < layout->sensors_v; ++j) {
+        v[j] = narrow_count(node->snapshot.counts[layout->sensors_u + j]);
+    }
+    return CCGEN_OK;
+}
+
+int ccgen_node_counts32(const ccgen_layout_t *const layout, const ccgen_node_t *const node,
+                        int32_t *const u, int32_t *const v) {
+    if ((layout == NULL) || (node == NULL) || (u == NULL) || (v == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    for (uint8_t j = 0; j < layout->sensors_u; ++j) {
+        u[j] = node->snapshot.counts[j];
+    }
+    for (uint8_t j = 0; j < layout->sensors_v; ++j) {
+        v[j] = node->snapshot.counts[layout->sensors_u + j];
+    }
+    return CCGEN_OK;
+}
+
+int ccgen_node_publish(const ccgen_layout_t *const layout, ccgen_node_t *const node,
+                       const int result, const int32_t missing, const int16_t *const tip) {
+    const bool estimated = (result >= 0);
+    if ((layout == NULL) || (node == NULL) || (missing < 0) || (missing > 0xFFFF) ||
+        (estimated && (tip == NULL))) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    if (node->next <= ccgen_layout_status_index(layout)) {
+        node->overruns += 1u;
+    }
+    if (missing != 0) {
+        node->snapshot.faults |= CCGEN_FAULT_MISSING;
+    }
+    for (uint8_t i = 0; i < 3u; ++i) {
+        node->tip[i] = estimated ? tip[i] : (int16_t)INT16_MIN;
+    }
+    node->estimates += estimated ? 1u : 0u;
+    node->failures += estimated ? 0u : 1u;
+    node->missing = (uint16_t)missing;
+    node->estimated = estimated;
+    node->published = node->snapshot.counter;
+    node->next = ccgen_layout_lengths_frames(layout);
+    return estimated ? 1 : result;
+}
+
+static int32_t angle_at(const ccgen_layout_t *const layout, const angles_t *const angles,
+                        const uint16_t index) {
+    const bool is_u = index < layout->segments;
+    const uint16_t segment = is_u ? index : (uint16_t)(index - layout->segments);
+    if (angles->u16 != NULL) {
+        return is_u ? angles->u16[segment] : angles->v16[segment];
+    }
+    return is_u ? angles->u32[segment] : angles->v32[segment];
+}
+
+static void put_angles(const ccgen_layout_t *const layout, const ccgen_node_t *const node,
+                       const angles_t *const angles, uint8_t *const payload) {
+    const uint8_t bytes = layout->angle_bytes;
+    const uint8_t per_frame = ccgen_layout_slots(layout, bytes);
+    const uint16_t total = (uint16_t)(2u * layout->segments);
+    const uint16_t slot = (uint16_t)(node->next - ccgen_layout_lengths_frames(layout));
+    uint16_t index = (uint16_t)(slot * per_frame);
+    for (uint8_t i = 0; (i < per_frame) && (index < total); ++i) {
+        const int32_t angle =
+            node->estimated ? angle_at(layout, angles, index) : ccgen_no_reading(bytes);
+        ccgen_put_signed(&payload[i * bytes], bytes, angle);
+        ++index;
+    }
+}
+
+static void put_tip(const ccgen_node_t *const node, uint8_t *const payload) {
+    for (uint8_t i = 0; i < 3u; ++i) {
+        ccgen_put_signed(&payload[i * TIP_BYTES], TIP_BYTES, node->tip[i]);
+    }
+}
+
+static void put_status(const ccgen_node_t *const node, const uint32_t now_us,
+                       uint8_t *const payload) {
+    const uint32_t samples = node->snapshot.snapshots;
+    payload[0] = (uint8_t)(samples & 0xFFu);
+    payload[1] = (uint8_t)((samples >> 8) & 0xFFu);
+    payload[2] = (uint8_t)(node->missing & 0xFFu);
+    payload[3] = (uint8_t)(node->missing >> 8);
+    payload[4] = node->snapshot.faults;
+    payload[5] = ccgen_snapshot_age_ms(&node->snapshot, now_us);
+}
+
+static int transmit_status(const ccgen_layout_t *const layout, ccgen_node_t *const node,
+                           const uint32_t now_us, ccgen_frame_t *const frame) {
+    const ccgen_e2e_profile_t profile = ccgen_layout_profile(layout);
+    const uint16_t modulus = ccgen_e2e_counter_modulus(profile);
+    ccgen_layout_begin(layout, ccgen_layout_status_index(layout), frame);
+    put_status(node, now_us, &frame->data[ccgen_e2e_header(profile)]);
+    (void)ccgen_layout_protect(layout, node->status_counter, frame);
+    node->status_counter = (uint8_t)((node->status_counter + 1u) % modulus);
+    node->snapshot.faults = 0;
+    node->status_us = now_us;
+    return 1;
+}
+
+static int transmit_estimate(const ccgen_layout_t *const layout, ccgen_node_t *const node,
+                             const angles_t *const angles, ccgen_frame_t *const frame) {
+    const size_t header = ccgen_e2e_header(ccgen_layout_profile(layout));
+    ccgen_layout_begin(layout, node->next, frame);
+    if (node->next < ccgen_layout_tip_index(layout)) {
+        put_angles(layout, node, angles, &frame->data[header]);
+    } else {
+        put_tip(node, &frame->data[header]);
+    }
+    (void)ccgen_layout_protect(layout, node->published, frame);
+    return 1;
+}
+
+/** The next frame of an answer: ANGLES, TIP, STATUS. */
+static int transmit_answer(const ccgen_layout_t *const layout, ccgen_node_t *const node,
+                           const angles_t *const angles, const uint32_t now_us,
+                           ccgen_frame_t *const frame) {
+    const bool is_status = (node->next == ccgen_layout_status_index(layout));
+    const int result = is_status ? transmit_status(layout, node, now_us, frame)
+                                 : transmit_estimate(layout, node, angles, frame);
+    node->next = (uint16_t)(node->next + 1u);
+    node->status_wait_us = layout->cycle_us + layout->cycle_us / 2u;
+    return result;
+}
+
+static int transmit(const ccgen_layout_t *const layout, ccgen_node_t *const node,
+                    const angles_t *const angles, const uint32_t now_us,
+                    ccgen_frame_t *const frame) {
+    (void)ccgen_snapshot_tick(layout, &node->snapshot, now_us);
+    if (node->next <= ccgen_layout_status_index(layout)) {
+        return transmit_answer(layout, node, angles, now_us, frame);
+    }
+    if ((now_us - node->status_us) >= node->status_wait_us) {
+        node->status_wait_us = layout->cycle_us;
+        return transmit_status(layout, node, now_us, frame);
+    }
+    return 0;
+}
+
+int ccgen_node_transmit16(const ccgen_layout_t *const layout, ccgen_node_t *const node,
+                          const int16_t *const u, const int16_t *const v, const uint32_t now_us,
+                          ccgen_frame_t *const frame) {
+    const angles_t angles = {u, v, NULL, NULL};
+    if ((layout == NULL) || (node == NULL) || (u == NULL) || (v == NULL) || (frame == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    return transmit(layout, node, &angles, now_us, frame);
+}
+
+int ccgen_node_transmit32(const ccgen_layout_t *const layout, ccgen_node_t *const node,
+                          const int32_t *const u, const int32_t *const v, const uint32_t now_us,
+                          ccgen_frame_t *const frame) {
+    const angles_t angles = {NULL, NULL, u, v};
+    if ((layout == NULL) || (node == NULL) || (u == NULL) || (v == NULL) || (frame == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    return transmit(layout, node, &angles, now_us, frame);
+}
