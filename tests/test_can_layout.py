@@ -138,12 +138,15 @@ def test_precision_32_takes_three_bytes_where_24_bits_and_no_reading_fit(lowest,
     assert (layout.count_bytes, layout.angle_bytes) == (size, 4)
 
 
-@pytest.mark.parametrize(
-    ("length", "bits"), [(0.24, 17), (32767.0, 0), (32767.1, -1), (1.0, 14), (32767 / 2**20, 20)]
-)
+@pytest.mark.parametrize(("length", "bits"), [(0.24, 17), (32767.0, 0), (1.0, 14), (2e-5, 30)])
 def test_tip_scale_is_the_finest_that_holds_the_joint(length, bits):
     assert tip_fraction_bits(length) == bits
-    assert length * 2.0**bits <= 32767 < length * 2.0 ** (bits + 1)
+    assert length * 2.0**bits <= 32767 < length * 2.0 ** (bits + 1) or bits == 30
+
+
+def test_tip_scale_stays_within_what_the_runtime_takes():
+    assert tip_fraction_bits(1e-9) == 30
+    assert tip_fraction_bits(1e9) == 0
 
 
 def test_identifiers_beyond_the_bus_are_refused_with_the_highest_base():

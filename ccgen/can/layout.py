@@ -254,13 +254,8 @@ def layout_for(joint: Joint, ranges: CountRanges) -> FrameLayout:
 
 
 def tip_fraction_bits(length: float) -> int:
-    """Largest f for which a joint of this length (m) keeps |tip| * 2^f within int16."""
-    fraction_bits = 0
-    while length * 2.0 ** (fraction_bits + 1) <= _LARGEST_TIP:
-        fraction_bits += 1
-    while length * 2.0**fraction_bits > _LARGEST_TIP:
-        fraction_bits -= 1
-    return fraction_bits
+    """Largest f for which a joint of this length (m) keeps |tip| * 2^f within int16, 0 to 30."""
+    return max(f for f in range(31) if f == 0 or length * 2.0**f <= _LARGEST_TIP)
 
 
 def _count_bytes(precision: int, ranges: CountRanges) -> int:
