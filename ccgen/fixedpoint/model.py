@@ -93,7 +93,7 @@ class AxisModel:
         if self.missing(values).any() or self.missing(offset).any():
             raise ValueError(f"axis {self.axis}: a count or a zero is outside its range")
         angles = ((values - offset) @ self.weights.T + self.bias) >> self.shift
-        return np.clip(angles, -self.angle_limit, self.angle_limit)
+        return np.asarray(np.clip(angles, -self.angle_limit, self.angle_limit))
 
     def radians(self, angles: ArrayLike) -> Floats:
         """Angles in rad from integer angles; exact."""

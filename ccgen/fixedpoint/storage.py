@@ -67,6 +67,6 @@ def _axis_record(axis: AxisModel) -> dict[str, Any]:
 
 
 def _axis_model(name: str, precision: int, record: dict[str, Any]) -> AxisModel:
-    scalars = {key: kind(record[key]) for key, kind in _SCALARS.items()}
-    arrays = {key: np.array(record[key], dtype=np.int64) for key in _ARRAYS}
-    return AxisModel(axis=name, precision=precision, **scalars, **arrays)
+    values: dict[str, Any] = {key: kind(record[key]) for key, kind in _SCALARS.items()}
+    values |= {key: np.array(record[key], dtype=np.int64) for key in _ARRAYS}
+    return AxisModel(axis=name, precision=precision, **values)

@@ -1,0 +1,156 @@
+"""What the templates are filled with: plain values, no decisions left to a template."""
+
+import math
+from typing import Any
+
+from ccgen import FORMAT_VERSION, __version__
+from ccgen.can.layout import FrameLayout
+from ccgen.estimation import (
+    Weights,
+    noise_gain,
+    reading_noise,
+    score_percent_rom,
+    score_with_noise_percent_rom,
+)
+from ccgen.export import vectors
+from ccgen.fixedpoint import AxisModel, FixedPointModel, counts_of
+from ccgen.joint import AXES, Joint
+from ccgen.shapes import ShapeLibrary
+
+SHAPE_VECTORS = 8
+BLOCKS = 8
+BLOCK_SNAPSHOTS = 64
+
+
+def common_context(joint: Joint) -> dict[str, Any]:
+    """Names, versions and the joint's geometry."""
+    geometry = joint.geometry
+    return {
+        "name": joint.name,
+        "NAME": joint.name.upper(),
+        "version": __version__,
+        "format_version": FORMAT_VERSION,
+        "segments": geometry.segments,
+        "length_m": geometry.length,
+        "segment_length_mm": f"{1000.0 * geometry.segment_length:.6g}",
+        "rom_deg": f"{math.degrees(geometry.range_of_motion):.6g}",
+        "method": joint.method,
+        "precision": joint.precision,
+        "cases": joint.shapes.cases,
+    }
+
+
+def model_context(
+    joint: Joint, model: FixedPointModel, weights: dict[str, Weights], library: ShapeLibrary
+) -> dict[str, Any]:
+    """Formats, weights and accuracy of both axes."""
+    axes = {a: _axis_context(joint, model.axis(a), weights[a], library) for a in AXES}
+    shared = all(axes["u"][key] == axes["v"][key] for key in ("minimum", "maximum", "zero", "rows"))
+    axes["v"]["tables"] = "u" if shared else "v"
+    return {"axes": axes}
+
+
+def can_context(layout: FrameLayout, joint: Joint) -> dict[str, Any]:
+    """The layout of the frames, and the table of them for the folder's README."""
+    return {
+        "layout": layout,
+        "bitrate": joint.can.bitrate,
+        "profile": "P05" if layout.fd else "P01",
+        "tip_metres_per_step": float_literal(2.0**-layout.tip_fraction_bits),
+        "tip_steps_per_metre": float_literal(2.0**layout.tip_fraction_bits),
+    }
+
+
+def selftest_context(joint: Joint, model: FixedPointModel, library: ShapeLibrary) -> dict[str, Any]:
+    """Vectors with the right angles, and checksums of drawn blocks."""
+    limits = [model.axis(a) for a in AXES]
+    sums = [
+        vectors.checksum(vectors.estimate(model, vectors.batch(model, seed, BLOCK_SNAPSHOTS)))
+        for seed in range(BLOCKS)
+    ]
+    count_bytes = joint.precision // 8
+    state = count_bytes * 2 * (model.u.sensors + model.v.sensors + model.segments)
+    return {
+        "vectors": _vectors(joint, model, library),
+        "minimum": [int(x) for axis in limits for x in axis.minimum],
+        "maximum": [int(x) for axis in limits for x in axis.maximum],
+        "checksums": sums,
+        "block_snapshots": BLOCK_SNAPSHOTS,
+        "stack_bytes": 100 * math.ceil((state + 150) / 100),
+    }
+
+
+def float_literal(value: float) -> str:
+    """A power of two as a C literal in single precision, exact."""
+    text = repr(value)
+    return (text if "." in text or "e" in text else text + ".0") + "f"
+
+
+def percent(value: float) -> str:
+    """An upper bound in per cent with three digits, rounded up so that it still holds."""
+    if value <= 0.0:
+        return "0"
+    step = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return f"{math.ceil(value / step * (1.0 - 1e-12)) * step:.3g}"
+
+
+def _axis_context(
+    joint: Joint, axis: AxisModel, weights: Weights, library: ShapeLibrary
+) -> dict[str, Any]:
+    noise = reading_noise(joint, axis.axis)
+    sensors = joint.axis(axis.axis)
+    return {
+        "axis": axis.axis,
+        "tables": axis.axis,
+        "sensors": axis.sensors,
+        "spans": sensors.spans,
+        "radius_mm": f"{1000.0 * sensors.radius:.6g}",
+        "micrometres_per_count": f"{1e6 * sensors.transducer.metres_per_count:.6g}",
+        "shift": axis.shift,
+        "fraction_bits": axis.fraction_bits,
+        "radians_per_step": float_literal(2.0**-axis.fraction_bits),
+        "degrees_per_step": f"{math.degrees(2.0**-axis.fraction_bits):.3g}",
+        "headroom_bits": axis.headroom_bits,
+        "saturates": axis.saturates,
+        "narrow": axis.narrow,
+        "minimum": axis.minimum.tolist(),
+        "maximum": axis.maximum.tolist(),
+        "zero": axis.zero.tolist(),
+        "words_per_row": 1 + (axis.sensors + 1) // 2,
+        "rows": [
+            {"bias": int(b), "weights": w, "pairs": _pairs(w)}
+            for b, w in zip(axis.bias, axis.weights.tolist(), strict=True)
+        ],
+        "worst_error_percent_rom": percent(axis.worst_error_percent_rom),
+        "rms_error_percent_rom": f"{axis.rms_error_percent_rom:.2g}",
+        "score_percent_rom": f"{score_percent_rom(weights, library):.3g}",
+        "noise_gain": f"{noise_gain(weights):.3g}",
+        "score_with_noise_percent_rom": None
+        if noise is None
+        else f"{score_with_noise_percent_rom(weights, library, noise):.3g}",
+    }
+
+
+def _pairs(row: list[int]) -> list[tuple[int, int]]:
+    padded = row + [0] * (len(row) % 2)
+    return list(zip(padded[0::2], padded[1::2], strict=True))
+
+
+def _vectors(
+    joint: Joint, model: FixedPointModel, library: ShapeLibrary
+) -> list[dict[str, list[int]]]:
+    """Shapes from every load case, and the corners with the most and the least of everything."""
+    chosen = library.angles[:: max(1, len(library.angles) // SHAPE_VECTORS)][:SHAPE_VECTORS]
+    readings = {
+        a: [*counts_of(joint.axis(a), chosen), *vectors.corners(model.axis(a))[[0, -1]]]
+        for a in AXES
+    }
+    return [
+        {
+            "counts_u": u.tolist(),
+            "counts_v": v.tolist(),
+            "angles_u": model.u.estimate(u).tolist(),
+            "angles_v": model.v.estimate(v).tolist(),
+        }
+        for u, v in zip(readings["u"], readings["v"][::-1], strict=True)
+    ]

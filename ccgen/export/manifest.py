@@ -1,0 +1,74 @@
+"""The manifest: what wrote a folder, from what, and the fingerprint of every file in it."""
+
+import hashlib
+import json
+from pathlib import Path
+
+from ccgen import FORMAT_VERSION, __version__
+from ccgen.errors import InputError
+
+FILE_NAME = "manifest.json"
+
+
+def manifest_json(name: str, source: bytes, files: dict[str, bytes]) -> str:
+    """Return the manifest's text.
+
+    Args:
+        name: of the joint.
+        source: bytes of joint.toml.
+        files: content by path below the folder, without the manifest itself.
+    """
+    record = {
+        "tool": "ccgen",
+        "version": __version__,
+        "format": FORMAT_VERSION,
+        "joint": name,
+        "inputs": {"joint.toml": hashlib.sha256(source).hexdigest()},
+        "files": {path: hashlib.sha256(files[path]).hexdigest() for path in sorted(files)},
+    }
+    return json.dumps(record, indent=1) + "\n"
+
+
+def read_manifest(directory: Path) -> dict[str, str]:
+    """Fingerprints by path of the files that ccgen wrote into a folder.
+
+    Raises:
+        InputError: there is no manifest, or it is not one of ccgen's.
+    """
+    path = directory / FILE_NAME
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        files = record["files"]
+        if record["tool"] != "ccgen" or not isinstance(files, dict):
+            raise ValueError("not written by ccgen")
+        return {str(file): str(digest) for file, digest in files.items()}
+    except OSError as error:
+        raise InputError(
+            f"{path}: {error.strerror}; name a folder that `ccgen export` wrote"
+        ) from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path}: damaged ({error}); export the joint again") from error
+
+
+def foreign_files(directory: Path) -> list[str]:
+    """Paths in the folder that its manifest does not list; all of them without a manifest."""
+    present = sorted(
+        file.relative_to(directory).as_posix()
+        for file in directory.rglob("*")
+        if not file.is_dir() or file.is_symlink()
+    )
+    try:
+        known = {*read_manifest(directory), FILE_NAME}
+    except InputError:
+        known = set()
+    return [file for file in present if file not in known]
+
+
+def changed_files(directory: Path) -> list[str]:
+    """Listed files that are gone or differ from what was written."""
+    return [
+        file
+        for file, digest in read_manifest(directory).items()
+        if not (directory / file).is_file()
+        or hashlib.sha256((directory / file).read_bytes()).hexdigest() != digest
+    ]

@@ -1,0 +1,136 @@
+"""The exported folder: every file of it rendered in memory, then written whole or not at all."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from ccgen import resources
+from ccgen.can.layout import layout_for
+from ccgen.errors import InputError
+from ccgen.estimation import fit_joint
+from ccgen.export import context
+from ccgen.export.dbc import dbc_text
+from ccgen.export.kinematics_c import kinematics_context
+from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
+from ccgen.fixedpoint import FixedPointModel, model_json, quantise
+from ccgen.joint import AXES, Joint, read_joint
+from ccgen.outputs import new_folder
+from ccgen.shapes import fit_library, score_library
+
+JOINT_FILES = {
+    "src/{name}.h": "model.h.j2",
+    "src/{name}.c": "model.c.j2",
+    "src/{name}_kinematics.h": "kinematics.h.j2",
+    "src/{name}_kinematics.c": "kinematics.c.j2",
+    "src/{name}_can.h": "can.h.j2",
+    "src/{name}_can.c": "can.c.j2",
+    "selftest/{name}_selftest.h": "selftest.h.j2",
+    "selftest/{name}_selftest.c": "selftest.c.j2",
+    "selftest/main.c": "selftest_main.c.j2",
+    "ports/port_joint.h": "port_joint.h.j2",
+    "CMakeLists.txt": "CMakeLists.txt.j2",
+    "README.md": "README.md.j2",
+}
+"""Generated files of the folder and their templates."""
+
+RUNTIME_FILES = (("include/ccgen", "src/ccgen"), ("src", "src/ccgen"), ("ports", "ports"))
+"""Folders of the C runtime and where they go."""
+
+
+@dataclass(frozen=True)
+class Export:
+    """What was exported, and where to."""
+
+    directory: Path
+    files: tuple[str, ...]
+    model: FixedPointModel
+
+
+def export(joint_file: Path, directory: Path) -> Export:
+    """Write the folder for a joint; an older export in its place is replaced in one step.
+
+    Raises:
+        InputError: the joint's file is wrong, no format fits, or the folder cannot be written or
+            holds files that are not ours.
+    """
+    joint = read_joint(joint_file)
+    model, files = render(joint, joint_file.read_bytes())
+    with new_folder(directory, _only_ours) as folder:
+        for path, content in files.items():
+            target = folder / path
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(content)
+    return Export(directory, tuple(sorted(files)), model)
+
+
+def render(joint: Joint, source: bytes) -> tuple[FixedPointModel, dict[str, bytes]]:
+    """Content of every file by path; the same joint and source give the same bytes.
+
+    Args:
+        joint: the specification.
+        source: bytes of its joint.toml.
+    """
+    library = fit_library(joint)
+    weights = fit_joint(joint, library=library)
+    model = quantise(joint, weights, library)
+    layout = layout_for(joint, model)
+    runtime = runtime_files()
+    values: dict[str, Any] = {
+        **context.common_context(joint),
+        **context.model_context(joint, model, weights, score_library(joint)),
+        **context.can_context(layout, joint),
+        **context.selftest_context(joint, model, library),
+        "kinematics": kinematics_context(
+            joint.name,
+            joint.geometry.segments,
+            joint.geometry.segment_length,
+            joint.precision,
+            {a: model.axis(a).fraction_bits for a in AXES},
+        ),
+        "runtime_sources": sorted(f for f in runtime if f.endswith(".c") and f.startswith("src/")),
+        "joint_sources": [f"src/{joint.name}{part}.c" for part in ("", "_can", "_kinematics")],
+    }
+    texts = {
+        path.format(name=joint.name): _environment().get_template(template).render(values)
+        for path, template in JOINT_FILES.items()
+    }
+    texts[f"{joint.name}.dbc"] = dbc_text(layout, joint, model)
+    texts["model.json"] = model_json(model)
+    files = runtime | {"joint.toml": source}
+    files |= {path: text.encode("utf-8") for path, text in texts.items()}
+    files[FILE_NAME] = manifest_json(joint.name, source, files).encode("utf-8")
+    return model, files
+
+
+def runtime_files() -> dict[str, bytes]:
+    """The C runtime and its ports, by path in the exported folder."""
+    root = resources.firmware()
+    return {
+        f"{target}/{file.relative_to(root / source).as_posix()}": file.read_bytes()
+        for source, target in RUNTIME_FILES
+        for file in sorted((root / source).rglob("*"))
+        if file.is_file()
+    }
+
+
+def _environment() -> jinja2.Environment:
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader(resources.templates()),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+
+
+def _only_ours(directory: Path) -> bool:
+    foreign = foreign_files(directory)
+    if foreign:
+        raise InputError(
+            f"{directory}: holds {foreign[0]}, which ccgen did not write; "
+            f"choose another folder or remove it"
+        )
+    return True

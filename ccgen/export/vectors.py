@@ -1,0 +1,74 @@
+"""Test vectors: drawn alike in Python and in the self-test on the target.
+
+Draw k of a batch is a 32-bit mix of seed and k, so that Python draws a whole batch at once. A
+quarter of the draws sit on an end of the transducer's range. A batch is compared by a checksum
+in which every single wrong value shows: h = 16777619 h + value (mod 2^32), all values in order.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.fixedpoint import AxisModel, FixedPointModel
+from ccgen.joint import AXES
+
+Integers = NDArray[np.int64]
+
+STEP = 0x9E3779B9
+MIX = (0x85EBCA6B, 0xC2B2AE35)
+CHECKSUM_FACTOR = 16777619
+_MASK = np.uint64(0xFFFFFFFF)
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Counts and zeros of both axes, u then v; shapes (k, nu + nv)."""
+
+    counts: Integers
+    zeros: Integers
+
+
+def draws(seed: int, number: int) -> NDArray[np.uint64]:
+    """Return the first draws of a batch, each below 2^32."""
+    x = (np.uint64(seed) + np.uint64(STEP) * np.arange(1, number + 1, dtype=np.uint64)) & _MASK
+    for shift, factor in ((16, MIX[0]), (13, MIX[1])):
+        x ^= x >> np.uint64(shift)
+        x = (x * np.uint64(factor)) & _MASK
+    return x ^ (x >> np.uint64(16))
+
+
+def batch(model: FixedPointModel, seed: int, snapshots: int) -> Batch:
+    """Draw zeros and counts over the full declared ranges, ends included."""
+    low = np.concatenate([model.axis(a).minimum for a in AXES])
+    high = np.concatenate([model.axis(a).maximum for a in AXES])
+    sensors = low.size
+    x = draws(seed, snapshots * 2 * sensors).reshape(snapshots, 2, sensors)
+    inside = low + (x % (high - low + 1).astype(np.uint64)).astype(np.int64)
+    kind = x >> np.uint64(29)
+    values = np.where(kind == 0, low, np.where(kind == 1, high, inside))
+    return Batch(counts=values[:, 1], zeros=values[:, 0])
+
+
+def estimate(model: FixedPointModel, drawn: Batch) -> Integers:
+    """Angles of the integer reference model for a batch, u then v; shape (k, 2 m)."""
+    split = model.u.sensors
+    u = model.u.estimate(drawn.counts[:, :split], drawn.zeros[:, :split])
+    v = model.v.estimate(drawn.counts[:, split:], drawn.zeros[:, split:])
+    return np.concatenate([u, v], axis=1)
+
+
+def checksum(values: Integers) -> int:
+    """Checksum of all values in order, modulo 2^32."""
+    flat = values.reshape(-1) & 0xFFFFFFFF
+    powers = np.ones(flat.size, dtype=np.uint32)
+    np.multiply.accumulate(
+        np.full(max(flat.size - 1, 0), CHECKSUM_FACTOR, dtype=np.uint32), out=powers[1:]
+    )
+    return int(np.sum(flat.astype(np.uint32) * powers[::-1], dtype=np.uint32))
+
+
+def corners(axis: AxisModel) -> Integers:
+    """All combinations of the ends of the ranges; shape (2^n, n)."""
+    bits = (np.arange(2**axis.sensors)[:, None] >> np.arange(axis.sensors)) & 1
+    return np.where(bits == 1, axis.maximum, axis.minimum).astype(np.int64)

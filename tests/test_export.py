@@ -1,0 +1,237 @@
+import hashlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ccgen.errors import InputError
+from ccgen.export import vectors
+from ccgen.export.context import percent
+from ccgen.export.manifest import changed_files
+from ccgen.export.package import export
+from ccgen.fixedpoint import load_model
+from ccgen.verify.build import WARNINGS
+
+JOINT = """
+name = "{name}"
+[geometry]
+segments = {segments}
+length = 0.24
+range_of_motion = 3.0
+[sensors]
+placement = "heuristic"
+count = {count}
+radius = 0.05
+[sensors.transducer]
+bits = {bits}
+metres_per_count = {step}
+[fixed_point]
+precision = {precision}
+"""
+SMALL = {
+    "name": "finger", "segments": 5, "count": 2, "bits": 16, "step": 2e-6, "precision": 16,
+}  # fmt: skip
+WIDE = {
+    "name": "trunk", "segments": 48, "count": 6, "bits": 28, "step": 1e-8, "precision": 32,
+}  # fmt: skip
+CPP_WARNINGS = [flag for flag in WARNINGS if flag != "-Wmissing-prototypes"]
+COMPILERS = {
+    "gcc": ["gcc", "-std=c99", *WARNINGS],
+    "clang": ["clang", "-std=c99", *WARNINGS],
+    "g++": ["g++", "-xc++", "-std=c++14", *CPP_WARNINGS],
+    "clang++": ["clang++", "-xc++", "-std=c++14", *CPP_WARNINGS],
+}
+
+
+def write_joint(folder: Path, options: dict, extra: str = "") -> Path:
+    path = folder / f"{options['name']}.toml"
+    path.write_text(JOINT.format(**options) + extra)
+    return path
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    files = (f for f in folder.rglob("*") if f.is_file())
+    return {f.relative_to(folder).as_posix(): f.read_bytes() for f in files}
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("export")
+    cases = ((SMALL, ""), (WIDE, "[can]\nfd = true\nextended = true\nbase_id = 0x10000\n"))
+    for options, extra in cases:
+        export(write_joint(folder, options, extra), folder / options["name"])
+    return folder
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("name", ["finger", "trunk"])
+def test_every_file_compiles_without_a_warning(exported, name, compiler):
+    assert shutil.which(COMPILERS[compiler][0]), f"{compiler} is needed for this test"
+    root = exported / name
+    files = [*root.glob("src/**/*.c"), *root.glob("selftest/*.c")]
+    assert len(files) > 6
+    for file in files:
+        for level in ("-O0", "-O2"):
+            command = [
+                *COMPILERS[compiler], level, "-I", root / "src", "-I", root / "selftest",
+                "-c", file, "-o", os.devnull,
+            ]  # fmt: skip
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("name", ["finger", "trunk"])
+@pytest.mark.parametrize("level", ["-O0", "-Os", "-O2", "-O3"])
+def test_the_selftest_passes_and_a_wrong_weight_fails_it(exported, name, level, tmp_path):
+    root = exported / name
+    assert run_selftest(root, tmp_path, level) == 0
+    damaged = tmp_path / "damaged"
+    shutil.copytree(root, damaged)
+    source = damaged / "src" / f"{name}.c"
+    lines = source.read_text().splitlines()
+    rows = [i for i, line in enumerate(lines) if "/* segment 2 */" in line]
+    digits = lines[rows[-1]]
+    for digit in "123456789":
+        if f"({digit}" in digits:
+            lines[rows[-1]] = digits.replace(f"({digit}", f"({int(digit) % 9 + 1}", 1)
+            break
+    source.write_text("\n".join(lines))
+    assert run_selftest(damaged, tmp_path, level) == 1
+
+
+def run_selftest(root: Path, out: Path, level: str) -> int:
+    name = root.name if root.name != "damaged" else next(root.glob("*.dbc")).stem
+    command = [
+        "gcc", "-std=c99", level, "-fsanitize=undefined", "-fno-sanitize-recover=all",
+        "-I", root / "src", "-I", root / "selftest",
+        *root.glob("selftest/*.c"), root / "src" / f"{name}.c", "-o", out / "selftest",
+    ]  # fmt: skip
+    subprocess.run(command, check=True)
+    return subprocess.run([out / "selftest"], stdout=subprocess.DEVNULL, check=False).returncode
+
+
+def test_the_same_input_gives_the_same_bytes_wherever_it_lies(exported, tmp_path):
+    export(write_joint(tmp_path, SMALL), tmp_path / "elsewhere")
+    assert contents(tmp_path / "elsewhere") == contents(exported / "finger")
+
+
+def test_the_manifest_lists_every_file_with_its_fingerprint(exported):
+    files = contents(exported / "finger")
+    manifest = json.loads(files.pop("manifest.json"))
+    assert manifest["files"] == {f: hashlib.sha256(files[f]).hexdigest() for f in files}
+    source = (exported / "finger.toml").read_bytes()
+    assert manifest["inputs"] == {"joint.toml": hashlib.sha256(source).hexdigest()}
+    assert changed_files(exported / "finger") == []
+
+
+def test_the_exported_model_is_the_one_in_the_header(exported):
+    model = load_model(exported / "finger" / "model.json")
+    source = (exported / "finger" / "src" / "finger.c").read_text()
+    for row in model.u.weights.tolist():
+        assert f"CCGEN_PAIR({row[0]}, {row[1]})" in source
+
+
+def test_equal_axes_share_their_tables(exported, tmp_path):
+    assert "v_rows" not in (exported / "finger" / "src" / "finger.c").read_text()
+    joint = write_joint(tmp_path, SMALL, "[sensors.v]\ncount = 3\n")
+    export(joint, tmp_path / "out")
+    assert "v_rows" in (tmp_path / "out" / "src" / "finger.c").read_text()
+
+
+def test_an_export_over_an_older_one_replaces_it(tmp_path):
+    export(write_joint(tmp_path, SMALL), tmp_path / "out")
+    export(write_joint(tmp_path, {**SMALL, "name": "thumb"}), tmp_path / "out")
+    assert (tmp_path / "out" / "src" / "thumb.c").is_file()
+    assert not (tmp_path / "out" / "src" / "finger.c").exists()
+
+
+def test_a_folder_with_foreign_files_is_left_alone(tmp_path):
+    export(write_joint(tmp_path, SMALL), tmp_path / "out")
+    (tmp_path / "out" / "src" / "notes.txt").write_text("mine")
+    before = contents(tmp_path / "out")
+    with pytest.raises(InputError, match=r"out: holds src/notes\.txt, which ccgen did not write"):
+        export(write_joint(tmp_path, {**SMALL, "name": "thumb"}), tmp_path / "out")
+    assert contents(tmp_path / "out") == before
+
+
+def test_a_folder_without_a_manifest_is_foreign(tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "thesis.tex").write_text("years of work")
+    with pytest.raises(InputError, match=r"thesis\.tex"):
+        export(write_joint(tmp_path, SMALL), tmp_path / "out")
+    assert (tmp_path / "out" / "thesis.tex").read_text() == "years of work"
+
+
+def test_a_place_that_is_a_file_or_lies_below_one_is_refused(tmp_path):
+    (tmp_path / "file").write_text("")
+    for place in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(InputError, match="file"):
+            export(write_joint(tmp_path, SMALL), place)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "finger.toml"]
+
+
+def test_an_export_that_is_interrupted_leaves_the_old_folder_whole(tmp_path):
+    joint = write_joint(tmp_path, SMALL)
+    export(joint, tmp_path / "out")
+    before = contents(tmp_path / "out")
+    joint.write_text(joint.read_text().replace("2e-06", "3e-06"))
+    # The writer stops for ever at its tenth file; the signal comes while it does.
+    program = f"""
+import pathlib, time
+from ccgen.export.package import export
+write, written = pathlib.Path.write_bytes, []
+def slow(path, data):
+    written.append(path)
+    if len(written) == 10:
+        print("writing", flush=True)
+        time.sleep(60)
+    return write(path, data)
+pathlib.Path.write_bytes = slow
+export(pathlib.Path({str(joint)!r}), pathlib.Path({str(tmp_path / "out")!r}))
+"""
+    for interruption in (signal.SIGINT, signal.SIGTERM):
+        child = subprocess.Popen(
+            [sys.executable, "-c", program],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        )  # fmt: skip
+        assert child.stdout is not None
+        assert child.stdout.readline() == "writing\n"
+        time.sleep(0.05)
+        child.send_signal(interruption)
+        assert child.wait(timeout=20) != 0
+        assert contents(tmp_path / "out") == before
+        assert sorted(p.name for p in tmp_path.iterdir()) == ["finger.toml", "out"]
+
+
+def test_drawn_counts_cover_the_range_and_its_ends(exported):
+    model = load_model(exported / "finger" / "model.json")
+    drawn = vectors.batch(model, seed=7, snapshots=4000)
+    for values in (drawn.counts, drawn.zeros):
+        low = np.concatenate([model.u.minimum, model.v.minimum])
+        high = np.concatenate([model.u.maximum, model.v.maximum])
+        assert np.array_equal(values.min(axis=0), low)
+        assert np.array_equal(values.max(axis=0), high)
+        inside = (values > low) & (values < high)
+        assert np.all(inside.mean(axis=0) > 0.7)
+
+
+def test_a_single_wrong_value_changes_the_checksum():
+    rng = np.random.default_rng(5)
+    values = rng.integers(-(2**31), 2**31, size=(20, 6))
+    right = vectors.checksum(values)
+    for _ in range(50):
+        wrong = values.copy()
+        wrong[rng.integers(20), rng.integers(6)] ^= 1 << int(rng.integers(32))
+        assert vectors.checksum(wrong) != right
+
+
+def test_a_bound_in_print_is_never_below_the_bound():
+    for value in (0.0511913, 1.0e-9, 99.95, 0.1, 7.64e-07):
+        assert value <= float(percent(value)) * (1 + 1e-9) <= 1.02 * value
