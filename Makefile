@@ -1,0 +1,63 @@
+# make demo   the main job on an example: fit, export, verify, a plot
+# make test   everything the tests need, then all of them
+PYTHON ?= python3
+VENV ?= .venv
+OUT ?= out
+JOINT ?= examples/shoulder.toml
+
+BIN := $(VENV)/bin
+NAME := $(basename $(notdir $(JOINT)))
+
+# Programs that the tests need, as command:Debian package.
+TOOLS := gcc:gcc g++:g++ clang:clang cmake:cmake
+
+.PHONY: demo test lint tools benchmark clean
+
+demo: $(VENV)/.installed
+	@mkdir -p $(OUT)
+	@printf '\n== Weights for %s\n' $(JOINT)
+	$(BIN)/ccgen fit $(JOINT) --plot $(OUT)/$(NAME).svg
+	$(BIN)/ccgen fit $(JOINT) --plot $(OUT)/$(NAME).png >/dev/null
+	@printf '\n== C for its microcontroller\n'
+	$(BIN)/ccgen export $(JOINT) -o $(OUT)/$(NAME)
+	@printf '\n== Proof that it computes the same\n'
+	$(BIN)/ccgen verify $(OUT)/$(NAME) --target host
+	@printf '\nSee %s/%s.svg and %s/%s/README.md\n' $(OUT) $(NAME) $(OUT) $(NAME)
+
+test: tools $(VENV)/.test-installed lint
+	$(BIN)/pytest -n 2 --dist worksteal
+
+lint: $(VENV)/.test-installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+# Installs what is missing where that is allowed, and otherwise names it.
+tools:
+	@missing=""; names=""; \
+	for tool in $(TOOLS); do \
+	  command -v "$${tool%%:*}" >/dev/null || { missing="$$missing $${tool#*:}"; names="$$names $${tool%%:*}"; }; \
+	done; \
+	if [ -n "$$missing" ]; then \
+	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	    apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $$missing; \
+	  else \
+	    printf 'missing:%s (Debian packages:%s); tests that need them will fail\n' "$$names" "$$missing"; \
+	  fi; \
+	fi
+
+benchmark: $(VENV)/.test-installed
+	@for file in tests/benchmarks/*.py; do printf '\n== %s\n' $$file; $(BIN)/python $$file || exit 1; done
+
+$(VENV)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check -e .
+	@touch $@
+
+$(VENV)/.test-installed: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check -e '.[test]'
+	@touch $@ $(VENV)/.installed
+
+clean:
+	rm -rf $(OUT) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
