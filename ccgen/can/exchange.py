@@ -1,0 +1,308 @@
+"""Snapshots to a node and its answers back, with every frame that fails to come counted.
+
+The node answers a snapshot with its ANGLES frames and TIP, under the snapshot's counter. A frame
+is lost when it has not come by the time a later snapshot is answered in full, or when the time-out
+passes. STATUS frames come with every answer and, once a cycle, without one; they count themselves,
+so one is lost where their counter jumps, or where none ever reports the last snapshot.
+"""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import can
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.can.codec import Codec, Decoded, Status, status_of
+from ccgen.can.transports.slcan import BlockSlcanBus
+
+Integers = NDArray[np.int64]
+OnAnswer = Callable[[int, Sequence[int], Sequence[int]], None]
+
+_SILENT_SNAPSHOTS = 8
+"""So many snapshots without a single frame in answer mean that nobody is there."""
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How snapshots are sent.
+
+    Attributes:
+        rate_hz: snapshots a second; None for as fast as answers come.
+        in_flight: snapshots that wait for their answer at the same time, fewer than 15.
+        timeout: seconds until an answer's missing frames are lost.
+    """
+
+    rate_hz: float | None = None
+    in_flight: int = 4
+    timeout: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Exchange:
+    """What came of sending k snapshots.
+
+    Attributes:
+        angles: shape (k, 2m), raw angles, u segments first; 0 where `complete` does not hold.
+        tips: shape (k, 3), raw tip coordinates.
+        complete: shape (k,), whether all ANGLES frames and TIP came.
+        statuses: every STATUS frame in order.
+        lost_frames: expected frames that did not come.
+        corrupted: frames that came but failed their checks; each is lost as well.
+        unexpected: frames in answer to no snapshot in flight: repeated or too late.
+        seconds: from the first frame sent to the last answer.
+    """
+
+    angles: Integers
+    tips: Integers
+    complete: NDArray[np.bool_]
+    statuses: tuple[Status, ...]
+    lost_frames: int
+    corrupted: int
+    unexpected: int
+    seconds: float
+
+    @property
+    def snapshots(self) -> int:
+        """Snapshots that were to be sent."""
+        return len(self.complete)
+
+    @property
+    def rate_hz(self) -> float:
+        """Snapshots answered in full per second."""
+        return float(np.count_nonzero(self.complete)) / self.seconds if self.seconds > 0 else 0.0
+
+    @property
+    def faults(self) -> int:
+        """Every fault bit that some status reported."""
+        return int(np.bitwise_or.reduce([s.faults for s in self.statuses], initial=0))
+
+
+def exchange(
+    bus: can.BusABC,
+    codec: Codec,
+    counts: Integers,
+    pace: Pace | None = None,
+    on_answer: OnAnswer | None = None,
+) -> Exchange:
+    """Send every snapshot and collect the answers; returns in bounded time, whatever comes.
+
+    Args:
+        bus: the host's end.
+        codec: of the joint.
+        counts: shape (k, nu + nv).
+        pace: rate, bound on snapshots in flight, time-out.
+        on_answer: called with a snapshot's index, its angles and its tip as each answer is
+            complete.
+
+    Raises:
+        ValueError: as many snapshots in flight as the counter can tell apart, or none; a count
+            that does not fit the frame.
+    """
+    run = _Run(bus, codec, counts, pace or Pace(), on_answer)
+    run.listen_for_status()
+    run.stream()
+    run.wait_for_last_status()
+    return run.result()
+
+
+@dataclass
+class _Pending:
+    """A snapshot whose answer is on its way."""
+
+    index: int
+    sent: float
+    angles: list[tuple[int, ...] | None]
+    tip: tuple[int, ...] | None = None
+    received: int = 0
+
+
+@dataclass
+class _Statuses:
+    """The stream of STATUS frames, which carry a counter of their own."""
+
+    modulus: int
+    seen: list[Status] = field(default_factory=list)
+    lost: int = 0
+    counter: int | None = None
+
+    def take(self, decoded: Decoded) -> None:
+        if self.counter is not None:
+            self.lost += (decoded.counter - self.counter - 1) % self.modulus
+        self.counter = decoded.counter
+        self.seen.append(status_of(decoded))
+
+
+class _Run:
+    def __init__(
+        self,
+        bus: can.BusABC,
+        codec: Codec,
+        counts: Integers,
+        pace: Pace,
+        on_answer: OnAnswer | None,
+    ) -> None:
+        layout = codec.layout
+        if not 1 <= pace.in_flight < layout.counter_modulus:
+            raise ValueError(f"{pace.in_flight} in flight; 1 to {layout.counter_modulus - 1} work")
+        self.bus, self.codec, self.layout = bus, codec, layout
+        self.pace, self.on_answer = pace, on_answer
+        self.counts: list[list[int]] = counts.tolist()
+        self.angles = np.zeros((len(self.counts), 2 * layout.segments), dtype=np.int64)
+        self.tips = np.zeros((len(self.counts), 3), dtype=np.int64)
+        self.complete = np.zeros(len(self.counts), dtype=np.bool_)
+        self.pending: dict[int, _Pending] = {}
+        self.statuses = _Statuses(layout.counter_modulus)
+        self.sent = self.answered = self.silent = self.lost = self.unexpected = 0
+        self.refused = self._refused()
+        self.begin = self.end = 0.0
+        self.first_sample: int | None = None
+
+    def listen_for_status(self) -> None:
+        """Learn from an idle node how many snapshots it has seen; none may come."""
+        patience = time.perf_counter() + max(self.pace.timeout, 5e-3 * self.layout.cycle_ms)
+        while self.first_sample is None and time.perf_counter() < patience and not self._gone():
+            self._receive(5e-3 * self.layout.cycle_ms)
+            if self.statuses.seen:
+                self.first_sample = self.statuses.seen[-1].sample_counter
+
+    def stream(self) -> None:
+        """Send and receive until every snapshot is answered or given up."""
+        self.begin = self.end = time.perf_counter()
+        while self.pending or self.sent < len(self.counts):
+            now = time.perf_counter()
+            self._expire(now)
+            if self._gone():
+                break
+            if self._may_send(now):
+                self._send(now)
+            else:
+                self._receive(self._patience(now))
+        frames = self.layout.angles_frames + 1
+        self.lost += frames * (len(self.counts) - self.sent)
+        for pending in list(self.pending.values()):
+            self._close(pending)
+
+    def wait_for_last_status(self) -> None:
+        """Wait for the status that reports the last snapshot; one is lost if it never comes."""
+        patience = time.perf_counter() + self.pace.timeout
+        while not self._reported():
+            left = patience - time.perf_counter()
+            if left <= 0 or self._gone():
+                self.statuses.lost += 1
+                return
+            self._receive(left)
+
+    def result(self) -> Exchange:
+        return Exchange(
+            angles=self.angles,
+            tips=self.tips,
+            complete=self.complete,
+            statuses=tuple(self.statuses.seen),
+            lost_frames=self.lost + self.statuses.lost,
+            corrupted=self._refused() - self.refused,
+            unexpected=self.unexpected,
+            seconds=self.end - self.begin,
+        )
+
+    def _gone(self) -> bool:
+        return self.silent >= _SILENT_SNAPSHOTS
+
+    def _refused(self) -> int:
+        lines = self.bus.malformed_lines if isinstance(self.bus, BlockSlcanBus) else 0
+        return self.codec.errors.total() + lines
+
+    def _reported(self) -> bool:
+        """Whether some status counts as many snapshots as were answered."""
+        if not self.statuses.seen:
+            return False
+        if self.first_sample is None:
+            return True
+        behind = self.first_sample + self.answered - self.statuses.seen[-1].sample_counter
+        return behind % 2**16 in (0, *range(2**15, 2**16))
+
+    def _may_send(self, now: float) -> bool:
+        return self._free() and now >= self._due()
+
+    def _free(self) -> bool:
+        return self.sent < len(self.counts) and len(self.pending) < self.pace.in_flight
+
+    def _due(self) -> float:
+        return self.begin + (self.sent / self.pace.rate_hz if self.pace.rate_hz else 0.0)
+
+    def _patience(self, now: float) -> float:
+        """Seconds until something is to be done even if no frame comes."""
+        oldest = next(iter(self.pending.values()), None)
+        moments = [] if oldest is None else [oldest.sent + self.pace.timeout]
+        if self._free():
+            moments.append(self._due())
+        return max(0.0, min(moments, default=now) - now)
+
+    def _send(self, now: float) -> None:
+        counter = self.sent % self.layout.counter_modulus
+        frames = self.codec.encode(self.counts[self.sent], counter)
+        self.pending[counter] = _Pending(self.sent, now, [None] * self.layout.angles_frames)
+        self.sent += 1
+        try:
+            if isinstance(self.bus, BlockSlcanBus):
+                self.bus.send_all(frames, timeout=self.pace.timeout)
+            else:
+                for frame in frames:
+                    self.bus.send(frame, timeout=self.pace.timeout)
+        except can.CanError:
+            return  # the frames of the answer will not come: that is where the loss is counted
+
+    def _receive(self, timeout: float) -> None:
+        try:
+            message = self.bus.recv(timeout)
+        except can.CanError:
+            self.silent = _SILENT_SNAPSHOTS  # the other end is gone: nothing more will come
+            return
+        decoded = self.codec.decode(message) if message is not None else None
+        if decoded is None or decoded.kind == "lengths":
+            return
+        if decoded.kind == "status":
+            self.statuses.take(decoded)
+            return
+        pending = self.pending.get(decoded.counter)
+        if pending is None or not _store(pending, decoded):
+            self.unexpected += 1
+        elif pending.received == self.layout.angles_frames + 1:
+            self._finish(pending)
+
+    def _finish(self, pending: _Pending) -> None:
+        for earlier in [p for p in self.pending.values() if p.index < pending.index]:
+            self._close(earlier)
+        self.end = time.perf_counter()
+        self._close(pending)
+        angles = [angle for part in pending.angles for angle in part or ()]
+        tip = pending.tip or ()
+        self.angles[pending.index] = angles
+        self.tips[pending.index] = tip
+        self.complete[pending.index] = True
+        if self.on_answer is not None:
+            self.on_answer(pending.index, angles, tip)
+
+    def _close(self, pending: _Pending) -> None:
+        del self.pending[pending.index % self.layout.counter_modulus]
+        self.lost += self.layout.angles_frames + 1 - pending.received
+        self.answered += pending.received > 0
+        self.silent = 0 if pending.received else self.silent + 1
+
+    def _expire(self, now: float) -> None:
+        for pending in list(self.pending.values()):
+            if now - pending.sent > self.pace.timeout:
+                self._close(pending)
+
+
+def _store(pending: _Pending, decoded: Decoded) -> bool:
+    """Put a frame's values in their place; False if they are there already."""
+    if decoded.kind == "tip":
+        fresh = pending.tip is None
+        pending.tip = decoded.values
+    else:
+        fresh = pending.angles[decoded.index] is None
+        pending.angles[decoded.index] = decoded.values
+    pending.received += fresh
+    return fresh

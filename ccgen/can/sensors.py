@@ -1,0 +1,168 @@
+"""Simulated length sensors: sequences of shapes, and the counts that ideal transducers give.
+
+Two kinds of input serve two questions. Shapes that a joint takes, moving from one snapshot to the
+next, show how well the estimate follows; counts without a shape, random or at the corners of the
+declared range, prove that target and reference model agree wherever they are used.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.fixedpoint import AxisModel, FixedPointModel, counts_of
+from ccgen.joint import AxisSensors, Joint
+from ccgen.shapes import ShapeLibrary
+
+Integers = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+SOURCES = ("cases", "random", "sweep")
+"""Names of the motions that `motion` knows."""
+
+_MODES = 4
+"""Cosine modes of a random shape: the shortest wave is half the joint."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A joint in motion: segment angles per snapshot, shape (k, m), radians."""
+
+    u: Floats
+    v: Floats
+
+
+def motion(source: str, library: ShapeLibrary, count: int, period: int, seed: int = 0) -> Motion:
+    """Angles of `count` snapshots of one of `SOURCES`.
+
+    Args:
+        source: "cases" walks through the load cases of the library, "random" through smooth random
+            shapes, "sweep" leads a constant curvature around in circles.
+        library: shapes of the joint.
+        count: snapshots.
+        period: snapshots that one round of the motion takes.
+        seed: of the random shapes.
+
+    Raises:
+        ValueError: unknown source.
+    """
+    motions: dict[str, Callable[[Floats], Motion]] = {
+        "cases": lambda turns: case_motion(library, turns),
+        "random": lambda turns: random_motion(library, turns, seed),
+        "sweep": lambda turns: sweep_motion(library, turns),
+    }
+    if source not in motions:
+        raise ValueError(f"unknown source {source!r}; known: {', '.join(SOURCES)}")
+    return motions[source](np.arange(count) / period)
+
+
+def case_motion(library: ShapeLibrary, turns: Floats) -> Motion:
+    """Through every load case, there and back by turns, one round of all cases a turn.
+
+    Between the library's shapes the angles are interpolated; the v axis is half a turn ahead.
+
+    Args:
+        library: shapes of the joint.
+        turns: shape (k,), position along the motion.
+    """
+    tour = _tour(library)
+    return Motion(_along(tour, turns), _along(tour, turns + 0.5))
+
+
+def random_motion(library: ShapeLibrary, turns: Floats, seed: int) -> Motion:
+    """Smooth shapes within the range of motion that change smoothly from snapshot to snapshot.
+
+    Every axis is a sum of cosine modes along the joint whose amplitudes oscillate at random rates.
+
+    Args:
+        library: shapes of the joint.
+        turns: shape (k,), position along the motion.
+        seed: the same seed gives the same motion.
+    """
+    random = np.random.default_rng(seed)
+    segments = library.angles.shape[1]
+    place = (np.arange(segments) + 0.5) / segments
+    modes = np.cos(np.pi * np.outer(np.arange(_MODES), place))
+    axes = []
+    for _ in range(2):
+        weight = random.dirichlet(np.ones(_MODES)) * library.range_of_motion
+        rate = random.uniform(0.5, 2.0, _MODES)
+        phase = random.uniform(0.0, 1.0, _MODES)
+        axes.append(np.sin(2 * np.pi * (np.outer(turns, rate) + phase)) * weight @ modes)
+    return Motion(*axes)
+
+
+def sweep_motion(library: ShapeLibrary, turns: Floats) -> Motion:
+    """Constant curvature that goes around in one turn and reaches full range after eight.
+
+    Args:
+        library: shapes of the joint.
+        turns: shape (k,), position along the motion.
+    """
+    segments = library.angles.shape[1]
+    amplitude = library.range_of_motion * (0.5 - 0.5 * np.cos(np.pi * turns / 8))
+    u = amplitude * np.cos(2 * np.pi * turns)
+    v = amplitude * np.sin(2 * np.pi * turns)
+    return Motion(np.repeat(u[:, None], segments, axis=1), np.repeat(v[:, None], segments, axis=1))
+
+
+def counts(joint: Joint, model: FixedPointModel, shapes: Motion) -> Integers:
+    """What ideal transducers count at these shapes, clipped to their range.
+
+    Returns:
+        Shape (k, nu + nv), u sensors first.
+    """
+    return np.concatenate(
+        [_axis_counts(joint.u, model.u, shapes.u), _axis_counts(joint.v, model.v, shapes.v)], axis=1
+    )
+
+
+def random_counts(axes: Sequence[AxisModel], count: int, seed: int = 0) -> Integers:
+    """Counts spread evenly over the whole declared range; shape (count, sum of sensors)."""
+    random = np.random.default_rng(seed)
+    parts = [
+        random.integers(axis.minimum, axis.maximum, (count, axis.sensors), endpoint=True)
+        for axis in axes
+    ]
+    return np.concatenate(parts, axis=1)
+
+
+def corner_counts(axes: Sequence[AxisModel]) -> Integers:
+    """Every corner of every axis' declared range, at least once each; shape (k, sum of sensors).
+
+    All axes turn their corners at the same time, for they do not meet in any angle; the last two
+    rows are the zeros and the zeros' neighbours.
+    """
+    rows = 2 ** max(axis.sensors for axis in axes)
+    return np.concatenate([_axis_corners(axis, rows) for axis in axes], axis=1)
+
+
+def _axis_corners(axis: AxisModel, rows: int) -> Integers:
+    ends = list(zip(axis.minimum.tolist(), axis.maximum.tolist(), strict=True))
+    corners = np.array(list(product(*ends)), dtype=np.int64)
+    beside = np.minimum(axis.zero + 1, axis.maximum)
+    turned = np.resize(corners, (rows, axis.sensors))
+    return np.concatenate([turned, axis.zero[None, :], beside[None, :]])
+
+
+def _axis_counts(sensors: AxisSensors, axis: AxisModel, angles: Floats) -> Integers:
+    wanted = axis.zero + counts_of(sensors, angles)
+    return np.asarray(np.clip(wanted, axis.minimum, axis.maximum), dtype=np.int64)
+
+
+def _tour(library: ShapeLibrary) -> Floats:
+    """The library's shapes with every other load case reversed: neighbours have like amplitudes."""
+    cases = list(dict.fromkeys(library.cases))
+    parts = [library.angles[[case == c for c in library.cases]] for case in cases]
+    return np.concatenate([part[:: -1 if i % 2 else 1] for i, part in enumerate(parts)])
+
+
+def _along(shapes: Floats, turns: Floats) -> Floats:
+    """Shapes at positions along the list, interpolated; a turn passes through all and returns."""
+    place = np.mod(turns, 1.0) * len(shapes)
+    before = place.astype(np.int64) % len(shapes)
+    part = (place - np.floor(place))[:, None]
+    after = (before + 1) % len(shapes)
+    return np.asarray((1 - part) * shapes[before] + part * shapes[after])

@@ -1,0 +1,60 @@
+"""A node on any bus that python-can knows: a user's board, a vcan, an emulated target."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import can
+
+from ccgen.can.layout import FrameLayout
+from ccgen.can.transports.slcan import BlockSlcanBus
+from ccgen.errors import InputError
+
+
+@contextmanager
+def interface_node(
+    layout: FrameLayout, interface: str, channel: str | None = None, bitrate: int | None = None
+) -> Iterator[can.BusABC]:
+    """Open the bus that a running node is on.
+
+    SLCAN devices are read in blocks, everything else is opened by python-can. Frames far from the
+    joint's identifiers are filtered out.
+
+    Args:
+        layout: of the joint.
+        interface: a name that python-can knows, such as "socketcan" or "slcan".
+        channel: the interface's name for the bus, such as "can0" or "/dev/ttyACM0".
+        bitrate: bits per second; None leaves the interface as it is set up.
+
+    Raises:
+        InputError: python-can does not know the interface or cannot open it.
+    """
+    try:
+        bus = _open(layout, interface, channel, bitrate)
+    except (can.CanError, OSError, ValueError, TypeError, ImportError) as error:
+        where = f"{interface} {channel or ''}".strip()
+        raise InputError(f"--interface {where}: cannot be opened: {error}") from error
+    with bus:
+        bus.set_filters([_neighbourhood(layout)])
+        yield bus
+
+
+def _open(
+    layout: FrameLayout, interface: str, channel: str | None, bitrate: int | None
+) -> can.BusABC:
+    options: dict[str, Any] = {} if bitrate is None else {"bitrate": bitrate}
+    if interface != "slcan":
+        if layout.fd:
+            options["fd"] = True
+        return can.Bus(interface=interface, channel=channel, **options)
+    if channel is None:
+        raise ValueError("name a serial device with --channel")
+    return BlockSlcanBus(channel, **options)
+
+
+def _neighbourhood(layout: FrameLayout) -> can.typechecking.CanFilter:
+    """The smallest aligned block of identifiers around the joint's."""
+    identifier_bits = 29 if layout.extended else 11
+    differing = (layout.base_id ^ layout.last_id).bit_length()
+    mask = (1 << identifier_bits) - (1 << differing)
+    return {"can_id": layout.base_id & mask, "can_mask": mask, "extended": layout.extended}

@@ -1,0 +1,67 @@
+"""A node in a process of its own that speaks SLCAN over a pseudo-terminal."""
+
+import os
+import subprocess
+import tempfile
+import tty
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import can
+
+from ccgen.can.transports.slcan import BlockSlcanBus
+from ccgen.errors import ToolError
+
+_GRACE = 2.0
+"""Seconds that a process has to end by itself once its line is closed."""
+
+
+@contextmanager
+def process_node(program: Path) -> Iterator[can.BusABC]:
+    """Run the program built from an exported folder's ports/posix; gives the host's bus.
+
+    The program has the terminal's controlling end as standard input and output, and ends when the
+    line is closed. However the block is left, the process is gone afterwards.
+
+    Raises:
+        ToolError: the program does not start, or ended with an error for which it gave a reason.
+    """
+    with tempfile.TemporaryFile() as errors:
+        process, bus = _start(program, errors.fileno())
+        try:
+            yield bus
+        finally:
+            bus.shutdown()
+            status = _reap(process)
+        if status:
+            errors.seek(0)
+            reason = errors.read().decode(errors="replace").strip()
+            raise ToolError(f"{program}: the node ended with status {status}: {reason}")
+
+
+def _start(program: Path, errors: int) -> tuple[subprocess.Popen[bytes], can.BusABC]:
+    controlling, terminal = os.openpty()
+    try:
+        tty.setraw(terminal)
+        process = subprocess.Popen([program], stdin=controlling, stdout=controlling, stderr=errors)
+        try:
+            return process, BlockSlcanBus(os.ttyname(terminal))
+        except BaseException:
+            _reap(process)
+            raise
+    except (OSError, can.CanError) as error:
+        raise ToolError(f"{program}: does not start as a node: {error}") from error
+    finally:
+        os.close(controlling)
+        os.close(terminal)
+
+
+def _reap(process: subprocess.Popen[bytes]) -> int:
+    """Return the exit status; 0 for a program that had to be stopped."""
+    try:
+        return process.wait(_GRACE)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+        return 0
