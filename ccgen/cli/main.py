@@ -7,8 +7,11 @@ from typing import Annotated
 import typer
 
 from ccgen import __version__
+from ccgen.cli.export import export
 from ccgen.cli.failures import Debug, in_one_line
+from ccgen.cli.fit import fit
 from ccgen.cli.init import init
+from ccgen.cli.simulate import simulate
 
 app = typer.Typer(
     name="ccgen",
@@ -20,6 +23,9 @@ app = typer.Typer(
 )
 
 app.command()(in_one_line(init))
+app.command()(in_one_line(simulate))
+app.command()(in_one_line(fit))
+app.command()(in_one_line(export))
 
 
 def _print_version(wanted: bool) -> None:

@@ -1,0 +1,76 @@
+"""`ccgen export`: the C for a joint's microcontroller."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ccgen.cli.output import print_json, results
+
+if TYPE_CHECKING:
+    from ccgen.export.package import Export
+    from ccgen.fixedpoint import AxisModel
+
+
+def export(
+    joint: Annotated[Path, typer.Argument(help="The joint's file, joint.toml.")],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder to write.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Write a folder with fixed-point C that stands alone: estimator, kinematics, CAN node, DBC.
+
+    The folder appears whole or not at all; an older export in its place is replaced.
+
+    \b
+    Example:
+      ccgen export shoulder.toml -o firmware/shoulder
+      ccgen verify firmware/shoulder --target host
+    """
+    from ccgen.export.package import export as write
+
+    done = write(joint, out)
+    if as_json:
+        print_json(_record(done))
+    else:
+        _show(done)
+
+
+def _record(done: "Export") -> dict[str, Any]:
+    return {
+        "directory": str(done.directory),
+        "files": list(done.files),
+        "fixed_point": {axis: _format(done.model.axis(axis)) for axis in ("u", "v")},
+    }
+
+
+def _format(axis: "AxisModel") -> dict[str, Any]:
+    return {
+        "fraction_bits": axis.fraction_bits,
+        "shift": axis.shift,
+        "headroom_bits": axis.headroom_bits,
+        "saturates": axis.saturates,
+        "worst_error_percent_rom": axis.worst_error_percent_rom,
+        "rms_error_percent_rom": axis.rms_error_percent_rom,
+    }
+
+
+def _show(done: "Export") -> None:
+    from rich.table import Table
+
+    table = Table("", "axis u", "axis v", box=None, pad_edge=False)
+    u, v = _format(done.model.u), _format(done.model.v)
+    for title, key, pattern in (
+        ("fraction bits of an angle", "fraction_bits", "{}"),
+        ("shift", "shift", "{}"),
+        ("headroom, bits", "headroom_bits", "{}"),
+        ("added by fixed point, at most", "worst_error_percent_rom", "{:.2g} % of ROM"),
+        ("  RMS over the shapes", "rms_error_percent_rom", "{:.2g} % of ROM"),
+    ):
+        table.add_row(title, pattern.format(u[key]), pattern.format(v[key]))
+    console = results()
+    console.print(table)
+    console.print(
+        f"{len(done.files)} files in {done.directory}; README.md there tells how to use them. "
+        f"Next: ccgen verify {done.directory}",
+        soft_wrap=True,
+    )

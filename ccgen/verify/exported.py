@@ -1,0 +1,67 @@
+"""An exported folder as `verify`, `cost` and `bridge` see it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ccgen.can.layout import FrameLayout, layout_for
+from ccgen.export.manifest import changed_files, read_manifest
+from ccgen.fixedpoint import FixedPointModel, load_model
+from ccgen.joint import AXES, Joint, read_joint
+from ccgen.kinematics_bounds import ErrorBounds, error_bounds, largest_angle
+
+if TYPE_CHECKING:
+    from ccgen.can.codec import Codec
+
+
+@dataclass(frozen=True)
+class Exported:
+    """A folder that `ccgen export` wrote, read back.
+
+    Attributes:
+        directory: the folder.
+        joint: from its joint.toml.
+        model: the integer reference model, from its model.json.
+        changed: files that differ from what was exported.
+    """
+
+    directory: Path
+    joint: Joint
+    model: FixedPointModel
+    changed: tuple[str, ...]
+
+    @cached_property
+    def layout(self) -> FrameLayout:
+        """Where the signals lie on the bus."""
+        return layout_for(self.joint, self.model)
+
+    @cached_property
+    def codec(self) -> "Codec":
+        """Encodes and decodes through the folder's own DBC."""
+        from ccgen.can.codec import Codec, read_database
+
+        return Codec(self.layout, read_database(self.directory / f"{self.joint.name}.dbc"))
+
+    @cached_property
+    def pose_bounds(self) -> ErrorBounds:
+        """How far single-precision poses may lie from double precision."""
+        geometry = self.joint.geometry
+        fraction_bits = {axis: self.model.axis(axis).fraction_bits for axis in AXES}
+        angle = largest_angle(self.model.precision, fraction_bits)
+        return error_bounds(geometry.segments, geometry.length, angle)
+
+
+def open_exported(directory: Path) -> Exported:
+    """Read an exported folder.
+
+    Raises:
+        InputError: it is none, or a file in it is damaged.
+    """
+    read_manifest(directory)
+    return Exported(
+        directory=directory,
+        joint=read_joint(directory / "joint.toml"),
+        model=load_model(directory / "model.json"),
+        changed=tuple(changed_files(directory)),
+    )

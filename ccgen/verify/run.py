@@ -1,0 +1,48 @@
+"""What a verification found, one record a transport."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Run:
+    """A comparison of the C with the models over one transport.
+
+    Attributes:
+        target: "host" or a microcontroller's core.
+        transport: how counts went to the C and angles came back.
+        snapshots: sets of readings that were estimated.
+        compared_values: angles compared with the integer reference model.
+        mismatches: those that differ, by a single bit or more.
+        lost_frames: frames that should have come and did not, or came damaged.
+        rate_hz: snapshots a second.
+        pose_max_error_m: largest distance of a pose's position from double precision, metres.
+        pose_bound_m: what that distance must stay below.
+        note: what else failed, empty if nothing did.
+    """
+
+    target: str
+    transport: str
+    snapshots: int
+    compared_values: int
+    mismatches: int
+    lost_frames: int
+    rate_hz: float
+    pose_max_error_m: float
+    pose_bound_m: float
+    note: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check held."""
+        return (
+            self.compared_values > 0
+            and self.mismatches == 0
+            and self.lost_frames == 0
+            and self.pose_max_error_m <= self.pose_bound_m
+            and not self.note
+        )
+
+    def record(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return asdict(self) | {"passed": self.passed}
