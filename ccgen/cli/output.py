@@ -15,7 +15,7 @@ def print_json(result: Mapping[str, object]) -> None:
     Raises:
         ValueError: a number that JSON does not know (nan, infinite).
     """
-    sys.stdout.write(json.dumps(result, indent=1, allow_nan=False) + "\n")
+    sys.stdout.write(json.dumps(result, allow_nan=False) + "\n")
 
 
 def note(message: str) -> None:

@@ -1,0 +1,158 @@
+"""`ccgen fit`: scores against the paper's order and reference values, figure 8, bad input."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ccgen.cli.choices import Method
+from ccgen.cli.main import main
+from ccgen.estimation import FIT_METHODS, fit_joint
+from ccgen.joint import parse_joint, read_joint
+from ccgen.kinematics import chain
+from ccgen.shapes import single_shape
+from ccgen.study.figures import case_study_figure, planar_curve
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+SHOULDER = EXAMPLES / "shoulder.toml"
+WRIST = EXAMPLES / "wrist.toml"
+
+
+def ccgen(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    return int(end.value.code or 0)
+
+
+def fitted(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
+    assert ccgen("fit", *arguments, "--json") == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return json.loads(out)
+
+
+def test_the_option_knows_every_method():
+    assert tuple(Method) == FIT_METHODS
+
+
+@pytest.mark.parametrize(
+    ("placement", "method", "score"),
+    [
+        ('"single"', "direct", 17.465),
+        ('"end-to-end"\ncount = 3', "direct", 5.789),
+        ('"heuristic"\ncount = 3', "equal", 4.430),
+        ('"heuristic"\ncount = 3', "wam", 0.0105),
+    ],
+)
+def test_scores_of_twelve_segments_agree_with_the_reference(
+    capsys, tmp_path, placement, method, score
+):
+    file = tmp_path / "shoulder.toml"
+    text = SHOULDER.read_text()
+    file.write_text(text.replace('"heuristic"\ncount = 3', placement))
+    result = fitted(capsys, str(file), "--method", method)
+    assert result["method"] == method
+    for axis in ("u", "v"):
+        assert result["axes"][axis]["score_percent_rom"] == pytest.approx(score, rel=0.01)
+
+
+def test_json_holds_the_weights_and_how_well_they_do(capsys):
+    result = fitted(capsys, str(WRIST))
+    weights = fit_joint(read_joint(WRIST))
+    assert result["method"] == "wam"
+    assert set(result["axes"]) == {"u", "v"}
+    for axis, figures in result["axes"].items():
+        matrix = np.array(figures["weights"])
+        np.testing.assert_array_equal(matrix, weights[axis].matrix)
+        assert figures["spans"] == [list(span) for span in weights[axis].spans]
+        assert figures["weights_range"] == [matrix.min(), matrix.max()]
+        gain = np.sqrt(np.mean(np.sum(matrix**2, axis=1)))
+        assert figures["noise_gain"] == pytest.approx(gain, rel=1e-12)
+        assert figures["score_with_noise_percent_rom"] > figures["score_percent_rom"] > 0
+    assert [len(figures["spans"]) for figures in result["axes"].values()] == [4, 2]
+
+
+def test_the_score_with_noise_needs_the_noise(capsys, tmp_path):
+    file = tmp_path / "shoulder.toml"
+    file.write_text(SHOULDER.read_text().replace("noise =", "# noise ="))
+    assert fitted(capsys, str(file))["axes"]["u"]["score_with_noise_percent_rom"] is None
+    assert ccgen("fit", str(file)) == 0
+    assert "not known" in capsys.readouterr().out
+    assert ccgen("fit", str(file), "--method", "noise-aware") == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith(f"ccgen: error: {file}: ")
+    assert err.count("\n") == 1
+
+
+def test_the_table_shows_both_axes(capsys):
+    assert ccgen("fit", str(WRIST)) == 0
+    out = capsys.readouterr().out
+    assert "wrist: wam" in out
+    assert "0-2 1-4 3-6 5-7" in out
+    assert "0-3 4-7" in out
+
+
+def test_a_missing_file_is_named(capsys):
+    assert ccgen("fit", "nowhere.toml", "--json") == 2
+    assert capsys.readouterr() == (
+        "",
+        "ccgen: error: nowhere.toml: no such file; `ccgen init NAME` writes one that works\n",
+    )
+
+
+@pytest.mark.parametrize("name", ["cases.svg", "cases.png"])
+def test_the_plot_is_the_same_bytes_each_time(capsys, tmp_path, name):
+    files = [tmp_path / "a" / name, tmp_path / "b" / name]
+    for file in files:
+        assert ccgen("fit", str(SHOULDER), "--plot", str(file)) == 0
+        assert capsys.readouterr().err == f"ccgen: wrote {file}\n"
+    data = files[0].read_bytes()
+    assert data == files[1].read_bytes()
+    assert data.startswith(b"<?xml" if name.endswith("svg") else b"\x89PNG")
+
+
+def test_a_curve_passes_through_the_ends_of_the_segments():
+    angles = single_shape(12, "end-force", 0.05)
+    deflection, height = planar_curve(angles, 0.02)
+    ends = chain(angles, np.zeros(12), 0.02)[:, :3, 3]
+    np.testing.assert_allclose(deflection[::8][1:], -ends[:, 1], atol=1e-15)
+    np.testing.assert_allclose(height[::8][1:], ends[:, 2], atol=1e-15)
+    assert (deflection[0], height[0]) == (0.0, 0.0)
+
+
+def test_the_case_study_draws_figure_8():
+    figure = case_study_figure(read_joint(SHOULDER))
+    curves, errors = figure.axes[:3], figure.axes[3:]
+    titles = [axes.get_title() for axes in curves]
+    assert titles == ["End force", "Uniform load", "End force and moment"]
+    names = ["actual", "DEM (end to end)", "E-WAM", "WAM"]
+    tips = {}
+    for panel, distances in zip(curves, errors, strict=True):
+        assert [line.get_label() for line in panel.lines] == names
+        last = [float(line.get_ydata()[-1]) for line in distances.lines]
+        assert last[2] < 1e-5 < last[0] < last[1]
+        tips[panel.get_title()] = float(panel.lines[0].get_xdata()[-1])
+    assert tips["End force"] > tips["Uniform load"] > 0.03
+    assert abs(tips["End force and moment"]) < 2e-3  # its tip stays on the unbent axis
+
+
+def test_the_case_study_adds_another_method_and_knows_other_cases():
+    joint = parse_joint(
+        SHOULDER.read_text().replace(
+            '["end-force", "uniform", "s-shape", "constant-curvature"]', '["constant-curvature"]'
+        ),
+        "shoulder.toml",
+    )
+    figure = case_study_figure(joint, "noise-aware")
+    assert [axes.get_title() for axes in figure.axes] == ["Constant curvature", ""]
+    assert [line.get_label() for line in figure.axes[0].lines][-1] == "noise-aware"
+
+
+def test_the_case_study_leaves_out_dem_where_sensors_outnumber_segments():
+    text = SHOULDER.read_text().replace("segments = 12", "segments = 2")
+    spans = "spans = [[0, 0], [0, 1], [1, 1]]"
+    joint = parse_joint(text.replace('placement = "heuristic"\ncount = 3', spans), "x.toml")
+    figure = case_study_figure(joint)
+    assert [line.get_label() for line in figure.axes[0].lines] == ["actual", "E-WAM", "WAM"]

@@ -1,0 +1,136 @@
+"""`ccgen simulate`: what it prints agrees with the geometry, and wrong input is refused."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ccgen.cli.choices import Axis, Case
+from ccgen.cli.main import main
+from ccgen.joint import AXES, CASES, parse_joint, read_joint
+from ccgen.simulation import simulate
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+SHOULDER = str(EXAMPLES / "shoulder.toml")
+WRIST = str(EXAMPLES / "wrist.toml")
+
+
+def ccgen(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    return int(end.value.code or 0)
+
+
+def bend(case: str, degrees: float, *more: str, joint: str = SHOULDER) -> list[str]:
+    return ["simulate", joint, "--case", case, "--first-segment", str(degrees), *more]
+
+
+def test_the_options_know_the_joints_words():
+    assert tuple(Axis) == AXES
+    assert tuple(Case) == CASES
+
+
+def test_json_holds_a_constant_curvature_in_closed_form(capsys):
+    assert ccgen(*bend("constant-curvature", 2.0, "--json")) == 0
+    out, err = capsys.readouterr()
+    result = json.loads(out)
+    assert err == ""
+    assert result["segment_angles_deg"]["u"] == pytest.approx([2.0] * 12, rel=1e-14)
+    assert result["segment_angles_deg"]["v"] == [0.0] * 12
+    bending = math.radians(2.0)
+    lengths = [p * (0.02 + 0.05 * bending) for p in (5, 6, 5)]
+    assert result["sensor_lengths_m"]["u"] == pytest.approx(lengths, rel=1e-14)
+    assert result["sensor_lengths_m"]["v"] == pytest.approx([0.10, 0.12, 0.10], rel=1e-14)
+    assert result["sensor_counts"]["u"] == [round(p * 0.05 * bending / 2e-6) for p in (5, 6, 5)]
+    assert result["sensor_counts"]["v"] == [0, 0, 0]
+    total, radius = 12 * bending, 0.24 / (12 * bending)
+    pose = np.eye(4)
+    pose[1:3, 1:3] = [[math.cos(total), -math.sin(total)], [math.sin(total), math.cos(total)]]
+    pose[1:3, 3] = [-radius * (1 - math.cos(total)), radius * math.sin(total)]
+    np.testing.assert_allclose(result["tip_pose"], pose, atol=1e-15)
+
+
+def test_the_other_axis_may_bend_and_both_may_differ(capsys):
+    assert ccgen(*bend("end-force", -3.0, "--axis", "v", "--json", joint=WRIST)) == 0
+    result = json.loads(capsys.readouterr().out)
+    angles = np.radians(result["segment_angles_deg"]["v"])
+    assert angles[0] == pytest.approx(math.radians(-3.0), rel=1e-12)
+    assert result["segment_angles_deg"]["u"] == [0.0] * 8
+    assert result["sensor_counts"]["u"] == [0, 0, 0, 0]
+    changes = np.array([0.025 * angles[:4].sum(), 0.025 * angles[4:].sum()])
+    np.testing.assert_allclose(result["sensor_lengths_m"]["v"], 0.06 + changes, rtol=1e-13)
+    assert result["sensor_counts"]["v"] == np.rint(changes / 1.6e-5).tolist()
+    assert result["tip_pose"][0][3] < 0
+
+
+def test_the_table_shows_every_sensor_and_segment(capsys):
+    assert ccgen(*bend("uniform", 1.0)) == 0
+    out = capsys.readouterr().out
+    for sensor in ("u0", "u2", "v0", "v2"):
+        assert sensor in out
+    assert "1.000000" in out
+    assert "Tip pose" in out
+
+
+@pytest.mark.parametrize(
+    ("case", "degrees", "says"),
+    [
+        ("uniform", "nan", "--first-segment: nan is no angle of a segment; give degrees"),
+        ("end-force", "91", "--first-segment: 91 is no angle of a segment; give degrees"),
+        ("s-shape", "60", "--first-segment: load case s-shape: a first segment at 60 degrees"),
+    ],
+)
+def test_angles_out_of_reach_are_refused_in_one_line(capsys, case, degrees, says):
+    assert ccgen(*bend(case, degrees, "--json")) == 2  # type: ignore[arg-type]
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith(f"ccgen: error: {says}")
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize("wrong", [["--case", "torsion"], ["--axis", "w"]])
+def test_unknown_words_are_refused(capsys, wrong):
+    assert ccgen("simulate", SHOULDER, "--case", "uniform", "--first-segment", "1", *wrong) == 2
+    assert f"'{wrong[1]}' is not one of" in capsys.readouterr().err
+
+
+def test_what_a_joint_should_not_do_is_said_beside_the_result(capsys):
+    assert ccgen(*bend("constant-curvature", 6.0, "--json", joint=WRIST)) == 0
+    out, err = capsys.readouterr()
+    assert err == "ccgen: 6 degrees is beyond the range of motion of 5\n"
+    assert json.loads(out)["sensor_counts"]["u"][1] == round(4 * 0.03 * math.radians(6) / 4e-6)
+
+
+def test_counts_beyond_the_transducer_are_named():
+    text = (EXAMPLES / "shoulder.toml").read_text()
+    joint = parse_joint(text.replace("[shapes]", "range = [-100, 6000]\n[shapes]"), "x")
+    assert simulate(joint, "constant-curvature", 0.05).u.out_of_range == (0, 1, 2)
+    assert simulate(joint, "end-force", 0.05).u.out_of_range == ()
+    assert simulate(joint, "end-force", -0.05).u.out_of_range == (0, 1, 2)
+    narrow = parse_joint(text.replace("bits = 16", "bits = 12"), "x")
+    assert simulate(narrow, "end-force", 0.05).u.out_of_range == (0, 1)
+    assert simulate(read_joint(Path(SHOULDER)), "end-force", 0.05).u.out_of_range == ()
+
+
+@pytest.mark.parametrize("name", ["shape.svg", "shape.PNG"])
+def test_the_plot_is_the_same_bytes_each_time(capsys, tmp_path, name):
+    files = [tmp_path / "a" / name, tmp_path / "b" / name]
+    for file in files:
+        assert ccgen(*bend("s-shape", 2.0, "--json", "--plot", str(file))) == 0
+        out, err = capsys.readouterr()
+        assert "tip_pose" in json.loads(out)
+        assert err == f"ccgen: wrote {file}\n"
+    data = files[0].read_bytes()
+    assert data == files[1].read_bytes()
+    assert data.startswith(b"<?xml" if name.endswith("svg") else b"\x89PNG")
+    assert str(tmp_path).encode() not in data
+
+
+def test_a_plot_of_unknown_format_is_refused(capsys, tmp_path):
+    assert ccgen(*bend("uniform", 1.0, "--plot", str(tmp_path / "a.pdf"))) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.endswith("a.pdf: unknown format; give a name that ends in .svg or .png\n")
+    assert list(tmp_path.iterdir()) == []
