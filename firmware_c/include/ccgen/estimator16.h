@@ -66,13 +66,17 @@ CCGEN_INLINE bool ccgen_axis16_valid(const ccgen_axis16_t *const axis) {
            (axis->segments >= 1u) && (axis->segments <= CCGEN_SEGMENTS_MAX) && (axis->shift < 32u);
 }
 
-/** \return bit `sensor` where its count is out of range, 0 where it is within or does not exist. */
+/** \return whether a sensor's count is in range; true where the axis has no such sensor. */
+CCGEN_INLINE bool ccgen_axis16_has(const ccgen_axis16_t *const axis, const int16_t *const counts,
+                                   const uint8_t sensor) {
+    return (sensor >= axis->sensors) ||
+           ((counts[sensor] >= axis->minimum[sensor]) && (counts[sensor] <= axis->maximum[sensor]));
+}
+
+/** \return bit `sensor` where its count is out of range, 0 otherwise. */
 CCGEN_INLINE int ccgen_axis16_missing_bit(const ccgen_axis16_t *const axis,
                                           const int16_t *const counts, const uint8_t sensor) {
-    return ((sensor < axis->sensors) &&
-            ((counts[sensor] < axis->minimum[sensor]) || (counts[sensor] > axis->maximum[sensor])))
-               ? (1 << sensor)
-               : 0;
+    return ccgen_axis16_has(axis, counts, sensor) ? 0 : (1 << sensor);
 }
 
 /**
@@ -91,6 +95,19 @@ CCGEN_INLINE int ccgen_axis16_missing(const ccgen_axis16_t *const axis,
            ccgen_axis16_missing_bit(axis, counts, 2) | ccgen_axis16_missing_bit(axis, counts, 3) |
            ccgen_axis16_missing_bit(axis, counts, 4) | ccgen_axis16_missing_bit(axis, counts, 5) |
            ccgen_axis16_missing_bit(axis, counts, 6) | ccgen_axis16_missing_bit(axis, counts, 7);
+}
+
+/**
+ * Tells whether every count is in its range; the cheap form of ccgen_axis16_missing() == 0.
+ * \param[in] axis    valid model
+ * \param[in] counts  [sensors] counts
+ */
+CCGEN_INLINE bool ccgen_axis16_complete(const ccgen_axis16_t *const axis,
+                                        const int16_t *const counts) {
+    return ccgen_axis16_has(axis, counts, 0) && ccgen_axis16_has(axis, counts, 1) &&
+           ccgen_axis16_has(axis, counts, 2) && ccgen_axis16_has(axis, counts, 3) &&
+           ccgen_axis16_has(axis, counts, 4) && ccgen_axis16_has(axis, counts, 5) &&
+           ccgen_axis16_has(axis, counts, 6) && ccgen_axis16_has(axis, counts, 7);
 }
 
 /** \return count - zero of one sensor, 0 where the axis has no such sensor. */
@@ -151,8 +168,8 @@ CCGEN_INLINE int16_t ccgen_axis16_angle(const ccgen_axis16_t *const axis, const 
 }
 
 /**
- * Evaluates the model without checking anything: for counts that ccgen_axis16_missing() found to be
- * complete, so that a joint of two axes is checked as a whole before anything is written.
+ * Evaluates the model without checking anything: for counts that ccgen_axis16_complete() accepts,
+ * so that a joint of two axes is checked as a whole before anything is written.
  * \param[in] axis     valid model
  * \param[in] zero     [sensors] counts at the straight pose, each within its sensor's range
  * \param[in] counts   [sensors] counts of one snapshot, each within its sensor's range
@@ -194,7 +211,7 @@ CCGEN_INLINE int ccgen_axis16_estimate(const ccgen_axis16_t *const axis, const i
     if (!ccgen_axis16_valid(axis) || (zero == NULL) || (counts == NULL) || (angles == NULL)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    if (ccgen_axis16_missing(axis, counts) != 0) {
+    if (!ccgen_axis16_complete(axis, counts)) {
         return CCGEN_ERROR_MISSING;
     }
     ccgen_axis16_evaluate(axis, zero, counts, angles);

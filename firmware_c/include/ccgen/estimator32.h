@@ -53,13 +53,17 @@ CCGEN_INLINE bool ccgen_axis32_valid(const ccgen_axis32_t *const axis) {
            (axis->segments >= 1u) && (axis->segments <= CCGEN_SEGMENTS_MAX) && (axis->shift < 64u);
 }
 
-/** \return bit `sensor` where its count is out of range, 0 where it is within or does not exist. */
+/** \return whether a sensor's count is in range; true where the axis has no such sensor. */
+CCGEN_INLINE bool ccgen_axis32_has(const ccgen_axis32_t *const axis, const int32_t *const counts,
+                                   const uint8_t sensor) {
+    return (sensor >= axis->sensors) ||
+           ((counts[sensor] >= axis->minimum[sensor]) && (counts[sensor] <= axis->maximum[sensor]));
+}
+
+/** \return bit `sensor` where its count is out of range, 0 otherwise. */
 CCGEN_INLINE int ccgen_axis32_missing_bit(const ccgen_axis32_t *const axis,
                                           const int32_t *const counts, const uint8_t sensor) {
-    return ((sensor < axis->sensors) &&
-            ((counts[sensor] < axis->minimum[sensor]) || (counts[sensor] > axis->maximum[sensor])))
-               ? (1 << sensor)
-               : 0;
+    return ccgen_axis32_has(axis, counts, sensor) ? 0 : (1 << sensor);
 }
 
 /**
@@ -78,6 +82,19 @@ CCGEN_INLINE int ccgen_axis32_missing(const ccgen_axis32_t *const axis,
            ccgen_axis32_missing_bit(axis, counts, 2) | ccgen_axis32_missing_bit(axis, counts, 3) |
            ccgen_axis32_missing_bit(axis, counts, 4) | ccgen_axis32_missing_bit(axis, counts, 5) |
            ccgen_axis32_missing_bit(axis, counts, 6) | ccgen_axis32_missing_bit(axis, counts, 7);
+}
+
+/**
+ * Tells whether every count is in its range; the cheap form of ccgen_axis32_missing() == 0.
+ * \param[in] axis    valid model
+ * \param[in] counts  [sensors] counts
+ */
+CCGEN_INLINE bool ccgen_axis32_complete(const ccgen_axis32_t *const axis,
+                                        const int32_t *const counts) {
+    return ccgen_axis32_has(axis, counts, 0) && ccgen_axis32_has(axis, counts, 1) &&
+           ccgen_axis32_has(axis, counts, 2) && ccgen_axis32_has(axis, counts, 3) &&
+           ccgen_axis32_has(axis, counts, 4) && ccgen_axis32_has(axis, counts, 5) &&
+           ccgen_axis32_has(axis, counts, 6) && ccgen_axis32_has(axis, counts, 7);
 }
 
 /** \return count - zero of one sensor modulo 2^32, 0 where the axis has no such sensor. */
@@ -123,8 +140,8 @@ CCGEN_INLINE int32_t ccgen_axis32_angle(const ccgen_axis32_t *const axis, const 
 }
 
 /**
- * Evaluates the model without checking anything: for counts that ccgen_axis32_missing() found to be
- * complete, so that a joint of two axes is checked as a whole before anything is written.
+ * Evaluates the model without checking anything: for counts that ccgen_axis32_complete() accepts,
+ * so that a joint of two axes is checked as a whole before anything is written.
  * \param[in] axis     valid model
  * \param[in] zero     [sensors] counts at the straight pose, each within its sensor's range
  * \param[in] counts   [sensors] counts of one snapshot, each within its sensor's range
@@ -165,7 +182,7 @@ CCGEN_INLINE int ccgen_axis32_estimate(const ccgen_axis32_t *const axis, const i
     if (!ccgen_axis32_valid(axis) || (zero == NULL) || (counts == NULL) || (angles == NULL)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    if (ccgen_axis32_missing(axis, counts) != 0) {
+    if (!ccgen_axis32_complete(axis, counts)) {
         return CCGEN_ERROR_MISSING;
     }
     ccgen_axis32_evaluate(axis, zero, counts, angles);

@@ -10,14 +10,9 @@
 
 #include "ccgen/check.h"
 
-/** \param[in] word any value  \return its bits 0 to 15 as a signed number */
-CCGEN_INLINE int16_t ccgen_low16(const uint32_t word) {
-    return (int16_t)((int32_t)((word & 0xFFFFu) ^ 0x8000u) - 0x8000);
-}
-
-/** \param[in] word any value  \return its bits 16 to 31 as a signed number */
-CCGEN_INLINE int16_t ccgen_high16(const uint32_t word) {
-    return ccgen_low16(word >> 16);
+/** \param[in] word any value  \return the same bits as a signed number */
+CCGEN_INLINE int16_t ccgen_signed16(const uint16_t word) {
+    return (word <= 0x7FFFu) ? (int16_t)word : (int16_t)(-(int16_t)(uint16_t)(~word) - 1);
 }
 
 /** \param[in] word any value  \return the same bits as a signed number */
@@ -28,6 +23,16 @@ CCGEN_INLINE int32_t ccgen_signed32(const uint32_t word) {
 /** \param[in] word any value  \return the same bits as a signed number */
 CCGEN_INLINE int64_t ccgen_signed64(const uint64_t word) {
     return (word <= (uint64_t)INT64_MAX) ? (int64_t)word : (-(int64_t)(~word) - 1);
+}
+
+/** \param[in] word any value  \return its bits 0 to 15 as a signed number */
+CCGEN_INLINE int16_t ccgen_low16(const uint32_t word) {
+    return ccgen_signed16((uint16_t)(word & 0xFFFFu));
+}
+
+/** \param[in] word any value  \return its bits 16 to 31 as a signed number */
+CCGEN_INLINE int16_t ccgen_high16(const uint32_t word) {
+    return (int16_t)(ccgen_signed32(word) >> 16);
 }
 
 #endif /* CCGEN_INTEGER_H */

@@ -1,0 +1,156 @@
+/**
+ * \file batch.c
+ * \brief Estimates many drawn snapshots on the target and prints checksums for a comparison.
+ *
+ * Nothing comes in; lines of text go out over the UART, numbers in hexadecimal:
+ *
+ *     vectors COMPARED MISMATCHES   the built-in self-test, where its vectors fit
+ *     angles SEED SUM               a block of BATCH_SNAPSHOTS snapshots, drawn from SEED on
+ *     tip X Y Z                     tip position of drawn angles, bits of the floats
+ *     poses SUM                     checksum over the bits of all those tip poses
+ *     end
+ *
+ * Drawing and checksum are those of selftest/.
+ */
+#include "board.h"
+#include "ccgen/integer.h"
+#include "port_joint.h"
+#include "port_selftest.h"
+
+#ifndef BATCH_SEED
+#define BATCH_SEED 0u
+#endif
+#ifndef BATCH_BLOCKS
+#define BATCH_BLOCKS 16u
+#endif
+#ifndef BATCH_SNAPSHOTS
+#define BATCH_SNAPSHOTS 256u
+#endif
+#ifndef BATCH_POSES
+#define BATCH_POSES 64u
+#endif
+/* The vectors stand in flash; a core that copies its constants to RAM may have no room for them. */
+#ifndef BATCH_VECTORS
+#define BATCH_VECTORS 1
+#endif
+
+/** A single-precision number and its bits. */
+typedef union {
+    float number;
+    uint32_t bits;
+} word_t;
+
+static void print(const char *text) {
+    while (*text != '\0') {
+        board_write((uint8_t)*text);
+        ++text;
+    }
+}
+
+static void print_hex(const uint32_t word) {
+    static const char digits[] = "0123456789abcdef";
+    board_write(' ');
+    for (uint8_t shift = 32; shift > 0u;) {
+        shift = (uint8_t)(shift - 4u);
+        board_write((uint8_t)digits[(word >> shift) & 0xFu]);
+    }
+}
+
+#if BATCH_VECTORS
+static void check_vectors(void) {
+    uint32_t compared = 0;
+    uint32_t mismatches = 0;
+    port_selftest(&compared, &mismatches);
+    print("vectors");
+    print_hex(compared);
+    print_hex(mismatches);
+    print("\n");
+}
+#endif
+
+static void check_angles(void) {
+    for (uint32_t block = 0; block < BATCH_BLOCKS; ++block) {
+        const uint32_t seed = BATCH_SEED + block;
+        print("angles");
+        print_hex(seed);
+        print_hex(port_selftest_batch(seed, BATCH_SNAPSHOTS));
+        print("\n");
+    }
+}
+
+/** The generator of selftest/. */
+static uint32_t draw(uint32_t *const state) {
+    *state += UINT32_C(0x9E3779B9);
+    uint32_t x = *state;
+    x = (x ^ (x >> 16)) * UINT32_C(0x85EBCA6B);
+    x = (x ^ (x >> 13)) * UINT32_C(0xC2B2AE35);
+    return x ^ (x >> 16);
+}
+
+/** Angles over the full range of their type: the top bits of the draws. */
+static void draw_angles(uint32_t *const state, port_angle_t angles[PORT_SEGMENTS]) {
+    for (uint8_t i = 0; i < PORT_SEGMENTS; ++i) {
+        const int32_t x = ccgen_signed32(draw(state));
+        angles[i] = (port_angle_t)(x >> (32 - PORT_PRECISION));
+    }
+}
+
+static uint32_t add(const uint32_t sum, const float number) {
+    word_t word;
+    word.number = number;
+    return sum * UINT32_C(16777619) + word.bits;
+}
+
+static uint32_t add_pose(uint32_t sum, const port_pose_t *const pose) {
+    for (uint8_t row = 0; row < 3u; ++row) {
+        for (uint8_t column = 0; column < 3u; ++column) {
+            sum = add(sum, pose->rotation[row][column]);
+        }
+        sum = add(sum, pose->position[row]);
+    }
+    return sum;
+}
+
+static void print_tip(const port_pose_t *const pose) {
+    print("tip");
+    for (uint8_t k = 0; k < 3u; ++k) {
+        word_t word;
+        word.number = pose->position[k];
+        print_hex(word.bits);
+    }
+    print("\n");
+}
+
+/** \return whether every pose could be computed */
+static bool check_poses(void) {
+    uint32_t state = BATCH_SEED;
+    uint32_t sum = 0;
+    for (uint32_t k = 0; k < BATCH_POSES; ++k) {
+        port_angles_t angles;
+        port_pose_t pose;
+        draw_angles(&state, angles.u);
+        draw_angles(&state, angles.v);
+        if (port_tip_pose(&angles, &pose) != CCGEN_OK) {
+            return false;
+        }
+        sum = add_pose(sum, &pose);
+        print_tip(&pose);
+    }
+    print("poses");
+    print_hex(sum);
+    print("\n");
+    return true;
+}
+
+int main(void) {
+    board_init();
+#if BATCH_VECTORS
+    check_vectors();
+#endif
+    check_angles();
+    if (!check_poses()) {
+        board_end(BOARD_WRONG);
+    }
+    print("end\n");
+    board_end(BOARD_DONE);
+}

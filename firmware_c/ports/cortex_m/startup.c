@@ -1,0 +1,68 @@
+/**
+ * \file startup.c
+ * \brief From reset to main() on any Cortex-M: vector table, FPU, data, faults.
+ *
+ * The sixteen vectors of the core stand here. The vectors of the chip follow them in the section
+ * `.vectors.chip`, which the board's file fills.
+ */
+#include <stdint.h>
+
+#include "board.h"
+
+typedef void (*vector_t)(void);
+
+/** What the processor reads at address 0. */
+typedef struct {
+    const void *stack;
+    vector_t vectors[15];
+} core_vectors_t;
+
+/* Of the linker script. */
+extern uint32_t stack_top, data_load, data_start, data_end, bss_start, bss_end;
+
+int main(void);
+void reset_handler(void);
+void systick_handler(void);
+
+/** Every exception that nobody handles: a fault, an interrupt that was not asked for. */
+static void fault_handler(void) {
+    board_end(BOARD_FAULT);
+}
+
+/** A board without SysTick leaves this out. */
+__attribute__((weak)) void systick_handler(void) {
+    fault_handler();
+}
+
+__attribute__((section(".vectors.core"), used)) static const core_vectors_t core_vectors = {
+    &stack_top,
+    {reset_handler, fault_handler /* NMI */, fault_handler /* HardFault */,
+     fault_handler /* MemManage */, fault_handler /* BusFault */, fault_handler /* UsageFault */,
+     0, 0, 0, 0, fault_handler /* SVCall */, fault_handler /* DebugMonitor */, 0,
+     fault_handler /* PendSV */, systick_handler},
+};
+
+#if defined(__ARM_FP)
+/** Grants access to the floating-point unit; before it, a float instruction is a fault. */
+static void enable_fpu(void) {
+    volatile uint32_t *const cpacr = (volatile uint32_t *)0xE000ED88u;
+    *cpacr |= 0xFu << 20; /* CP10 and CP11: full access */
+    __asm volatile("dsb\n\tisb" ::: "memory");
+}
+#endif
+
+/** Copies initialised data from flash to RAM and clears the rest, then runs the program. */
+void reset_handler(void) {
+#if defined(__ARM_FP)
+    enable_fpu();
+#endif
+    const uint32_t *from = &data_load;
+    for (uint32_t *to = &data_start; to < &data_end; ++to) {
+        *to = *from;
+        ++from;
+    }
+    for (uint32_t *to = &bss_start; to < &bss_end; ++to) {
+        *to = 0;
+    }
+    board_end(main());
+}

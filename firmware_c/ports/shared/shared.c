@@ -1,0 +1,312 @@
+/**
+ * \file shared.c
+ * \brief The joint as a shared library: plain C types for a caller such as Python's ctypes.
+ *
+ * port_joint.h, generated for each joint, names the joint's types and functions: port_node_t with
+ * port_node_init, port_node_receive, port_node_transmit, port_node_set_window; port_joint_t,
+ * port_counts_t, port_angles_t, port_count_t, port_angle_t, port_pose_t with port_init,
+ * port_capture_zero, port_estimate, port_missing, port_segment_pose, port_tip_pose and
+ * port_tip_jacobian; PORT_SEGMENTS, PORT_SENSORS_U, PORT_SENSORS_V and PORT_PRECISION.
+ *
+ * All arrays are dense, row-major and the caller's. Counts of a snapshot are the u sensors, then
+ * the v sensors; angles the u segments, then the v segments.
+ */
+#include "port_joint.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#elif defined(__GNUC__)
+#define EXPORT __attribute__((visibility("default")))
+#else
+#define EXPORT
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SENSORS (PORT_SENSORS_U + PORT_SENSORS_V)
+
+/** Indices into what ccgen_shared_node_counters() writes. */
+enum {
+    COUNTER_SNAPSHOTS,
+    COUNTER_CORRUPTED,
+    COUNTER_MALFORMED,
+    COUNTER_REPEATED,
+    COUNTER_REORDERED,
+    COUNTER_LOST,
+    COUNTER_LATE,
+    COUNTER_ESTIMATES,
+    COUNTER_FAILURES,
+    COUNTER_OVERRUNS,
+    COUNTERS
+};
+
+/** \param[out] shape  [4] segments, u sensors, v sensors, precision  \return CCGEN_OK or error */
+EXPORT int ccgen_shared_shape(int32_t *shape);
+
+/** \return bytes that a node needs; aligned as malloc() aligns */
+EXPORT size_t ccgen_shared_node_size(void);
+
+/** Starts a node in the caller's memory. \return as NAME_node_init() */
+EXPORT int ccgen_shared_node_init(void *node);
+
+/** Replaces the snapshot's window. \return CCGEN_OK or CCGEN_ERROR_ARGUMENT */
+EXPORT int ccgen_shared_node_set_window(void *node, uint32_t window_us);
+
+/**
+ * Hands one frame to the node.
+ * \param[in] extended  not 0: 29-bit identifier
+ * \param[in] fd        not 0: CAN FD frame
+ * \param[in] data      [length], length at most 64
+ * \return as NAME_node_receive(); CCGEN_ERROR_FORMAT for more than 64 bytes
+ */
+EXPORT int ccgen_shared_node_receive(void *node, uint32_t id, int extended, int fd, size_t length,
+                                     const uint8_t *data, uint32_t now_us);
+
+/**
+ * Fetches the next frame that the node sends.
+ * \param[out] data  [64]
+ * \return as NAME_node_transmit(); nothing is written unless it is 1
+ */
+EXPORT int ccgen_shared_node_transmit(void *node, uint32_t now_us, uint32_t *id, uint8_t *extended,
+                                      uint8_t *fd, uint8_t *length, uint8_t *data);
+
+/**
+ * Reads the node's counters.
+ * \param[out] counters  [10] snapshots, corrupted, malformed, repeated, reordered, lost, late,
+ *                       estimates, failures, overruns
+ */
+EXPORT int ccgen_shared_node_counters(const void *node, uint32_t *counters);
+
+/**
+ * Estimates n snapshots.
+ * \param[in] counts    [n][sensors]
+ * \param[in] zero      [sensors] counts at the straight pose; NULL for those of the model
+ * \param[out] angles   [n][2 * segments]; rows of failed snapshots stay as they are
+ * \param[out] results  [n] what NAME_estimate() returned for each
+ * \return CCGEN_OK; CCGEN_ERROR_ARGUMENT for a null pointer; CCGEN_ERROR_MISSING for a zero out of
+ *         range
+ */
+EXPORT int ccgen_batch_estimate(const port_count_t *counts, const port_count_t *zero, size_t n,
+                                port_angle_t *angles, int8_t *results);
+
+/**
+ * Poses of every segment's distal end, and after them the tip's, for n sets of angles.
+ * \param[in] angles      [n][2 * segments]
+ * \param[out] positions  [n][segments + 1][3] metres
+ * \param[out] rotations  [n][segments + 1][3][3]
+ * \return CCGEN_OK, or the first error
+ */
+EXPORT int ccgen_batch_poses(const port_angle_t *angles, size_t n, float *positions,
+                             float *rotations);
+
+/**
+ * Tip Jacobians for n sets of angles.
+ * \param[in] angles      [n][2 * segments]
+ * \param[out] jacobians  [n][6][2 * segments]
+ * \return CCGEN_OK, or the first error
+ */
+EXPORT int ccgen_batch_jacobians(const port_angle_t *angles, size_t n, float *jacobians);
+
+static void unpack_counts(const port_count_t *const list, port_counts_t *const counts) {
+    for (size_t j = 0; j < PORT_SENSORS_U; ++j) {
+        counts->u[j] = list[j];
+    }
+    for (size_t j = 0; j < PORT_SENSORS_V; ++j) {
+        counts->v[j] = list[PORT_SENSORS_U + j];
+    }
+}
+
+static void unpack_angles(const port_angle_t *const list, port_angles_t *const angles) {
+    for (size_t i = 0; i < PORT_SEGMENTS; ++i) {
+        angles->u[i] = list[i];
+        angles->v[i] = list[PORT_SEGMENTS + i];
+    }
+}
+
+static void pack_angles(const port_angles_t *const angles, port_angle_t *const list) {
+    for (size_t i = 0; i < PORT_SEGMENTS; ++i) {
+        list[i] = angles->u[i];
+        list[PORT_SEGMENTS + i] = angles->v[i];
+    }
+}
+
+static void pack_pose(const port_pose_t *const pose, float *const position, float *const rotation) {
+    for (size_t i = 0; i < 3u; ++i) {
+        position[i] = pose->position[i];
+        for (size_t j = 0; j < 3u; ++j) {
+            rotation[3u * i + j] = pose->rotation[i][j];
+        }
+    }
+}
+
+int ccgen_shared_shape(int32_t *const shape) {
+    if (shape == NULL) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    shape[0] = PORT_SEGMENTS;
+    shape[1] = PORT_SENSORS_U;
+    shape[2] = PORT_SENSORS_V;
+    shape[3] = PORT_PRECISION;
+    return CCGEN_OK;
+}
+
+size_t ccgen_shared_node_size(void) {
+    return sizeof(port_node_t);
+}
+
+int ccgen_shared_node_init(void *const node) {
+    return port_node_init((port_node_t *)node);
+}
+
+int ccgen_shared_node_set_window(void *const node, const uint32_t window_us) {
+    if (node == NULL) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    return port_node_set_window((port_node_t *)node, window_us);
+}
+
+int ccgen_shared_node_receive(void *const node, const uint32_t id, const int extended, const int fd,
+                              const size_t length, const uint8_t *const data,
+                              const uint32_t now_us) {
+    ccgen_frame_t frame = CCGEN_ZERO;
+    if ((node == NULL) || ((data == NULL) && (length > 0u))) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    if (length > CCGEN_FRAME_CAPACITY) {
+        return CCGEN_ERROR_FORMAT;
+    }
+    frame.id = id;
+    frame.extended = (extended != 0);
+    frame.fd = (fd != 0);
+    frame.length = (uint8_t)length;
+    for (size_t i = 0; i < length; ++i) {
+        frame.data[i] = data[i];
+    }
+    return port_node_receive((port_node_t *)node, &frame, now_us);
+}
+
+int ccgen_shared_node_transmit(void *const node, const uint32_t now_us, uint32_t *const id,
+                               uint8_t *const extended, uint8_t *const fd, uint8_t *const length,
+                               uint8_t *const data) {
+    ccgen_frame_t frame = CCGEN_ZERO;
+    if ((node == NULL) || (id == NULL) || (extended == NULL) || (fd == NULL) || (length == NULL) ||
+        (data == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    const int result = port_node_transmit((port_node_t *)node, now_us, &frame);
+    if (result == 1) {
+        *id = frame.id;
+        *extended = frame.extended ? 1u : 0u;
+        *fd = frame.fd ? 1u : 0u;
+        *length = frame.length;
+        for (size_t i = 0; i < frame.length; ++i) {
+            data[i] = frame.data[i];
+        }
+    }
+    return result;
+}
+
+int ccgen_shared_node_counters(const void *const node, uint32_t *const counters) {
+    if ((node == NULL) || (counters == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    const ccgen_node_t *const state = &((const port_node_t *)node)->node;
+    counters[COUNTER_SNAPSHOTS] = state->snapshot.snapshots;
+    counters[COUNTER_CORRUPTED] = state->snapshot.corrupted;
+    counters[COUNTER_MALFORMED] = state->snapshot.malformed;
+    counters[COUNTER_REPEATED] = state->snapshot.repeated;
+    counters[COUNTER_REORDERED] = state->snapshot.reordered;
+    counters[COUNTER_LOST] = state->snapshot.lost;
+    counters[COUNTER_LATE] = state->snapshot.late;
+    counters[COUNTER_ESTIMATES] = state->estimates;
+    counters[COUNTER_FAILURES] = state->failures;
+    counters[COUNTER_OVERRUNS] = state->overruns;
+    return CCGEN_OK;
+}
+
+/** Starts a joint with the given zero offsets, or the model's. */
+static int start_joint(const port_count_t *const zero, port_joint_t *const joint) {
+    port_counts_t counts;
+    const int result = port_init(joint);
+    if ((result != CCGEN_OK) || (zero == NULL)) {
+        return result;
+    }
+    unpack_counts(zero, &counts);
+    return port_capture_zero(joint, &counts);
+}
+
+int ccgen_batch_estimate(const port_count_t *const counts, const port_count_t *const zero,
+                         const size_t n, port_angle_t *const angles, int8_t *const results) {
+    port_joint_t joint;
+    if ((counts == NULL) || (angles == NULL) || (results == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    const int started = start_joint(zero, &joint);
+    if (started != CCGEN_OK) {
+        return started;
+    }
+    for (size_t k = 0; k < n; ++k) {
+        port_counts_t snapshot;
+        port_angles_t estimate;
+        unpack_counts(&counts[k * SENSORS], &snapshot);
+        results[k] = (int8_t)port_estimate(&joint, &snapshot, &estimate);
+        if (results[k] == CCGEN_OK) {
+            pack_angles(&estimate, &angles[k * 2u * PORT_SEGMENTS]);
+        }
+    }
+    return CCGEN_OK;
+}
+
+int ccgen_batch_poses(const port_angle_t *const angles, const size_t n, float *const positions,
+                      float *const rotations) {
+    if ((angles == NULL) || (positions == NULL) || (rotations == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    for (size_t k = 0; k < n; ++k) {
+        port_angles_t shape;
+        unpack_angles(&angles[k * 2u * PORT_SEGMENTS], &shape);
+        for (uint16_t i = 0; i <= PORT_SEGMENTS; ++i) {
+            port_pose_t pose;
+            const size_t row = k * (PORT_SEGMENTS + 1u) + i;
+            const int result = (i < PORT_SEGMENTS) ? port_segment_pose(&shape, i, &pose)
+                                                   : port_tip_pose(&shape, &pose);
+            if (result != CCGEN_OK) {
+                return result;
+            }
+            pack_pose(&pose, &positions[3u * row], &rotations[9u * row]);
+        }
+    }
+    return CCGEN_OK;
+}
+
+int ccgen_batch_jacobians(const port_angle_t *const angles, const size_t n,
+                          float *const jacobians) {
+    if ((angles == NULL) || (jacobians == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    for (size_t k = 0; k < n; ++k) {
+        port_angles_t shape;
+        float jacobian[6][2 * PORT_SEGMENTS];
+        unpack_angles(&angles[k * 2u * PORT_SEGMENTS], &shape);
+        const int result = port_tip_jacobian(&shape, jacobian);
+        if (result != CCGEN_OK) {
+            return result;
+        }
+        float *const row = &jacobians[k * 12u * PORT_SEGMENTS];
+        for (size_t i = 0; i < 6u; ++i) {
+            for (size_t j = 0; j < 2u * PORT_SEGMENTS; ++j) {
+                row[i * 2u * PORT_SEGMENTS + j] = jacobian[i][j];
+            }
+        }
+    }
+    return CCGEN_OK;
+}
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,98 @@
+#include "sample.h"
+
+#include "ccgen/estimator16.h"
+
+/* Axis u saturates within its range and is narrow; axis v does neither. */
+static const int16_t u_minimum[3] = {-10000, -9000, -10000};
+static const int16_t u_maximum[3] = {10000, 12000, 10000};
+static const int16_t u_zero[3] = {12, -7, 0};
+static const uint32_t u_rows[SAMPLE_SEGMENTS * 3] = {
+    CCGEN_BIAS(-2152), CCGEN_PAIR(7547, 1673),  CCGEN_PAIR(-5402, 0),
+    CCGEN_BIAS(-1452), CCGEN_PAIR(8333, 3708),  CCGEN_PAIR(-3579, 0),
+    CCGEN_BIAS(-752),  CCGEN_PAIR(8600, 5513),  CCGEN_PAIR(-1533, 0),
+    CCGEN_BIAS(-52),   CCGEN_PAIR(8333, 6974),  CCGEN_PAIR(608, 0),
+    CCGEN_BIAS(648),   CCGEN_PAIR(7547, 8002),  CCGEN_PAIR(2712, 0),
+    CCGEN_BIAS(1348),  CCGEN_PAIR(6293, 8533),  CCGEN_PAIR(4647, 0),
+    CCGEN_BIAS(2048),  CCGEN_PAIR(4647, 8533),  CCGEN_PAIR(6293, 0),
+    CCGEN_BIAS(2748),  CCGEN_PAIR(2712, 8002),  CCGEN_PAIR(7547, 0),
+    CCGEN_BIAS(3448),  CCGEN_PAIR(608, 6974),   CCGEN_PAIR(8333, 0),
+    CCGEN_BIAS(4148),  CCGEN_PAIR(-1533, 5513), CCGEN_PAIR(8600, 0),
+    CCGEN_BIAS(4848),  CCGEN_PAIR(-3579, 3708), CCGEN_PAIR(8333, 0),
+    CCGEN_BIAS(5548),  CCGEN_PAIR(-5402, 1673), CCGEN_PAIR(7547, 0),
+};
+
+static const int16_t v_minimum[3] = {-20000, -20000, -20000};
+static const int16_t v_maximum[3] = {20000, 20000, 20000};
+static const int16_t v_zero[3] = {0, 0, 0};
+/* clang-format off */
+static const uint32_t v_rows[SAMPLE_SEGMENTS * 3] = {
+    CCGEN_BIAS(3848),  CCGEN_PAIR(921, 204),  CCGEN_PAIR(-660, 0),
+    CCGEN_BIAS(3548),  CCGEN_PAIR(1017, 453), CCGEN_PAIR(-437, 0),
+    CCGEN_BIAS(3248),  CCGEN_PAIR(1050, 673), CCGEN_PAIR(-187, 0),
+    CCGEN_BIAS(2948),  CCGEN_PAIR(1017, 852), CCGEN_PAIR(74, 0),
+    CCGEN_BIAS(2648),  CCGEN_PAIR(921, 977),  CCGEN_PAIR(331, 0),
+    CCGEN_BIAS(2348),  CCGEN_PAIR(768, 1042), CCGEN_PAIR(567, 0),
+    CCGEN_BIAS(2048),  CCGEN_PAIR(567, 1042), CCGEN_PAIR(768, 0),
+    CCGEN_BIAS(1748),  CCGEN_PAIR(331, 977),  CCGEN_PAIR(921, 0),
+    CCGEN_BIAS(1448),  CCGEN_PAIR(74, 852),   CCGEN_PAIR(1017, 0),
+    CCGEN_BIAS(1148),  CCGEN_PAIR(-187, 673), CCGEN_PAIR(1050, 0),
+    CCGEN_BIAS(848),   CCGEN_PAIR(-437, 453), CCGEN_PAIR(1017, 0),
+    CCGEN_BIAS(548),   CCGEN_PAIR(-660, 204), CCGEN_PAIR(921, 0),
+};
+/* clang-format on */
+
+static const ccgen_axis16_t u_axis = {
+    SAMPLE_SEGMENTS, SAMPLE_SENSORS_U, 12,     SAMPLE_FRACTION_BITS_U, true, true, u_minimum,
+    u_maximum,       u_zero,           u_rows,
+};
+
+static const ccgen_axis16_t v_axis = {
+    SAMPLE_SEGMENTS, SAMPLE_SENSORS_V, 12,     SAMPLE_FRACTION_BITS_V, false, false, v_minimum,
+    v_maximum,       v_zero,           v_rows,
+};
+
+int sample_init(sample_t *const joint) {
+    if (joint == NULL) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    for (uint8_t j = 0; j < SAMPLE_SENSORS_U; ++j) {
+        joint->zero.u[j] = u_axis.zero[j];
+    }
+    for (uint8_t j = 0; j < SAMPLE_SENSORS_V; ++j) {
+        joint->zero.v[j] = v_axis.zero[j];
+    }
+    return CCGEN_OK;
+}
+
+int sample_capture_zero(sample_t *const joint, const sample_counts_t *const counts) {
+    if ((joint == NULL) || (counts == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    if (sample_missing(counts) != 0) {
+        return CCGEN_ERROR_MISSING;
+    }
+    joint->zero = *counts;
+    return CCGEN_OK;
+}
+
+int sample_estimate(const sample_t *const joint, const sample_counts_t *const counts,
+                    sample_angles_t *const angles) {
+    if ((joint == NULL) || (counts == NULL) || (angles == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    if (!ccgen_axis16_complete(&u_axis, counts->u) || !ccgen_axis16_complete(&v_axis, counts->v)) {
+        return CCGEN_ERROR_MISSING;
+    }
+    ccgen_axis16_evaluate(&u_axis, joint->zero.u, counts->u, angles->u);
+    ccgen_axis16_evaluate(&v_axis, joint->zero.v, counts->v, angles->v);
+    return CCGEN_OK;
+}
+
+int32_t sample_missing(const sample_counts_t *const counts) {
+    if (counts == NULL) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    const int32_t u = ccgen_axis16_missing(&u_axis, counts->u);
+    const int32_t v = ccgen_axis16_missing(&v_axis, counts->v);
+    return u + v * 256;
+}

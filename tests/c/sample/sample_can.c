@@ -1,0 +1,58 @@
+#include "sample_can.h"
+
+#include "ccgen/tip.h"
+
+const ccgen_layout_t sample_layout = {
+    0x300u,           /* base_id */
+    false,            /* extended */
+    (SAMPLE_FD != 0), /* fd */
+    SAMPLE_SENSORS_U, /* sensors_u */
+    SAMPLE_SENSORS_V, /* sensors_v */
+    SAMPLE_SEGMENTS,  /* segments */
+    2,                /* count_bytes */
+    2,                /* angle_bytes */
+    10000u,           /* cycle_us */
+    10000u            /* window_us */
+};
+
+static int estimate(sample_node_t *const node) {
+    sample_counts_t counts;
+    sample_pose_t pose;
+    int16_t tip[3] = {0, 0, 0};
+    (void)ccgen_node_counts16(&sample_layout, &node->node, counts.u, counts.v);
+    const int result = sample_estimate(&node->joint, &counts, &node->angles);
+    if ((result == CCGEN_OK) && (sample_tip_pose(&node->angles, &pose) == CCGEN_OK)) {
+        for (uint8_t k = 0; k < 3u; ++k) {
+            tip[k] = ccgen_tip_signal(pose.position[k], SAMPLE_TIP_FRACTION_BITS);
+        }
+    }
+    return ccgen_node_publish(&sample_layout, &node->node, result, sample_missing(&counts), tip);
+}
+
+int sample_node_init(sample_node_t *const node) {
+    const sample_angles_t straight = CCGEN_ZERO;
+    if (node == NULL) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    node->angles = straight;
+    (void)sample_init(&node->joint);
+    return ccgen_node_init(&sample_layout, &node->node);
+}
+
+int sample_node_receive(sample_node_t *const node, const ccgen_frame_t *const frame,
+                        const uint32_t now_us) {
+    if (node == NULL) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    const int result = ccgen_node_receive(&sample_layout, &node->node, frame, now_us);
+    return (result == 1) ? estimate(node) : result;
+}
+
+int sample_node_transmit(sample_node_t *const node, const uint32_t now_us,
+                         ccgen_frame_t *const frame) {
+    if (node == NULL) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    return ccgen_node_transmit16(&sample_layout, &node->node, node->angles.u, node->angles.v,
+                                 now_us, frame);
+}
