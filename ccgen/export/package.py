@@ -31,6 +31,13 @@ JOINT_FILES = {
     "selftest/main.c": "selftest_main.c.j2",
     "ports/port_joint.h": "port_joint.h.j2",
     "CMakeLists.txt": "CMakeLists.txt.j2",
+    "cmake/{name}-config.cmake": "cmake_config.cmake.j2",
+    "zephyr/module.yml": "zephyr_module.yml.j2",
+    "zephyr/CMakeLists.txt": "zephyr_CMakeLists.txt.j2",
+    "zephyr/Kconfig": "zephyr_Kconfig.j2",
+    "idf_component.yml": "idf_component.yml.j2",
+    "library.json": "library.json.j2",
+    "library.properties": "library.properties.j2",
     "README.md": "README.md.j2",
 }
 """Generated files of the folder and their templates."""
