@@ -1,0 +1,20 @@
+"""Where to put the sensors: the paper's evolutionary algorithm, and a search that does better."""
+
+from ccgen.placement.constraints import Constraints
+from ccgen.placement.evolution import Evolution, evolve
+from ccgen.placement.methods import METHODS, place
+from ccgen.placement.problem import Placement, Problem, joint_problem
+from ccgen.placement.search import Search, search
+
+__all__ = [
+    "METHODS",
+    "Constraints",
+    "Evolution",
+    "Placement",
+    "Problem",
+    "Search",
+    "evolve",
+    "joint_problem",
+    "place",
+    "search",
+]

@@ -1,0 +1,98 @@
+"""What a builder allows: which spans a sensor may have, and how spans may lie together."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.errors import InputError
+from ccgen.layouts import Spans
+
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Constraints:
+    """Limits on a placement; every segment must be covered in any case.
+
+    Attributes:
+        shortest: fewest segments of a span.
+        longest: most segments of a span; None for the whole joint.
+        forbidden: segments at which no span may begin or end, because nothing can be attached.
+        fixed: spans of sensors that stay where they are; they count among the sensors, and the
+            limits above do not concern them.
+        stacked: most sensors over one segment; None for any number.
+    """
+
+    shortest: int = 1
+    longest: int | None = None
+    forbidden: tuple[int, ...] = ()
+    fixed: Spans = ()
+    stacked: int | None = None
+
+    def check(self, segments: int, sensors: int) -> None:
+        """Refuse limits that make no sense for a joint.
+
+        Raises:
+            InputError: which limit, and what would be right.
+        """
+        if sensors < 1:
+            raise InputError(f"{sensors} sensors measure nothing; give at least 1")
+        longest = segments if self.longest is None else self.longest
+        if not 1 <= self.shortest <= longest <= segments:
+            raise InputError(
+                f"spans of {self.shortest} to {longest} segments do not fit a joint of {segments};"
+                f" give 1 <= shortest <= longest <= {segments}"
+            )
+        for segment in self.forbidden:
+            if not 0 <= segment < segments:
+                raise InputError(
+                    f"forbidden segment {segment} does not exist; give 0 to {segments - 1}"
+                )
+        for first, last in self.fixed:
+            if not 0 <= first <= last < segments:
+                raise InputError(
+                    f"fixed span [{first}, {last}] does not fit;"
+                    f" give 0 <= first <= last <= {segments - 1}"
+                )
+        if len(self.fixed) > sensors:
+            raise InputError(f"{len(self.fixed)} fixed spans are more than {sensors} sensors")
+        if self.stacked is not None and self.stacked < 1:
+            raise InputError(
+                f"at most {self.stacked} sensors over a segment leave it bare; give at least 1"
+            )
+
+    def allowed(self, segments: int) -> NDArray[np.bool_]:
+        """Whether a free sensor may span from first (row) to last (column) segment, (m, m)."""
+        first, last = np.indices((segments, segments))
+        lengths = last - first + 1
+        fits = (lengths >= self.shortest) & (lengths <= (self.longest or segments))
+        attachable = np.ones(segments, dtype=bool)
+        attachable[list(self.forbidden)] = False
+        return np.asarray(fits & attachable[:, None] & attachable[None, :])
+
+    def catalogue(self, segments: int) -> Indices:
+        """All spans that a free sensor may have, ordered by first and last, shape (S, 2)."""
+        return np.argwhere(self.allowed(segments)).astype(np.intp)
+
+    def violations(self, spans: Indices, segments: int) -> NDArray[np.intp]:
+        """Number of bare and of overfull segments and of spans that are not allowed, shape (P,).
+
+        Args:
+            spans: placements, fixed sensors first, shape (P, n, 2).
+            segments: number m of segments.
+        """
+        count = coverage(spans, segments)
+        broken = (count == 0).sum(axis=-1)
+        if self.stacked is not None:
+            broken += (count > self.stacked).sum(axis=-1)
+        free = spans[:, len(self.fixed) :]
+        broken += (~self.allowed(segments)[free[..., 0], free[..., 1]]).sum(axis=-1)
+        return np.asarray(broken, dtype=np.intp)
+
+
+def coverage(spans: Indices, segments: int) -> NDArray[np.intp]:
+    """Number of sensors over each segment, shape (P, m), of placements of shape (P, n, 2)."""
+    numbers = np.arange(segments)
+    over = (numbers >= spans[..., :1]) & (numbers <= spans[..., 1:])
+    return np.asarray(over.sum(axis=-2), dtype=np.intp)

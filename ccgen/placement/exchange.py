@@ -1,0 +1,117 @@
+"""Exchange search: move one sensor at a time to the best of all its spans.
+
+With the other sensors' vectors orthonormal, each span that the moving sensor may take changes the
+error by a product of two vectors: one pass costs every span.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.placement.constraints import coverage
+from ccgen.placement.cost import CostModel, Floats, Indices, orthogonalise, orthonormalise
+from ccgen.placement.problem import Problem
+
+BROKEN = 200.0
+"""Cost of a broken constraint in %: no placement that keeps to them all costs as much (eq. 11)."""
+
+KEPT = 8
+"""Spans of each exchange that are kept for the exact comparison in the end."""
+
+_CACHED = 1 << 16
+_IMPROVEMENT = 1e-9
+
+
+@dataclass
+class Descent:
+    """Moves sensors of a problem downhill; counts what it costs and keeps the best it meets."""
+
+    problem: Problem
+    evaluations: int = 0
+    met: dict[bytes, tuple[float, Indices]] = field(default_factory=dict)
+
+    def run(self, start: Indices) -> tuple[Indices, float]:
+        """Descend from a placement, fixed sensors first, until no single move improves it.
+
+        Returns:
+            The placement, shape (n, 2), and its cost in %.
+        """
+        spans, cost = start.copy(), np.inf
+        fixed, sensors = len(self.problem.constraints.fixed), len(start)
+        rested, slot = 0, fixed
+        while rested < sensors - fixed:
+            costs = self._costs(spans, slot)
+            best = int(np.argmin(costs))
+            if costs[best] < cost * (1 - _IMPROVEMENT):
+                cost, rested = float(costs[best]), 0
+                spans[slot] = self.problem.catalogue[best]
+            rested += 1
+            slot = slot + 1 if slot + 1 < sensors else fixed
+        return spans, cost
+
+    def finalists(self, count: int) -> Indices:
+        """The best placements met that keep to the constraints, shape (at most count, n, 2)."""
+        ranked = sorted(self.met.items(), key=lambda item: (item[1][0], item[0]))
+        kept = [spans for _, (cost, spans) in ranked[:count] if cost < BROKEN]
+        return np.array(kept, dtype=np.intp).reshape(-1, self.problem.sensors, 2)
+
+    def _costs(self, spans: Indices, slot: int) -> Floats:
+        others = np.delete(spans, slot, axis=0)
+        costs = exchange_costs(self.problem.model, others, self.problem.catalogue, slot)
+        costs += BROKEN * _broken(self.problem, others)
+        self.evaluations += len(costs)
+        for index in np.argsort(costs, kind="stable")[:KEPT]:
+            met = spans.copy()
+            met[slot] = self.problem.catalogue[index]
+            ordered = met[np.lexsort((met[:, 1], met[:, 0]))]
+            self.met.setdefault(ordered.tobytes(), (float(costs[index]), met))
+        return costs
+
+
+def exchange_costs(model: CostModel, others: Indices, catalogue: Indices, slot: int) -> Floats:
+    """Cost of adding each span to the other sensors, shape (S,), in %.
+
+    Args:
+        model: the joint.
+        others: shape (n - 1, 2).
+        catalogue: spans to try, shape (S, 2).
+        slot: place of the moving sensor among the n.
+    """
+    sensors = len(others) + 1
+    size, rank = model.fit_size(sensors), model.rank
+    basis = model.vectors(others, np.delete(np.arange(sensors), slot), sensors)[None]
+    orthonormalise(basis, size)
+    added = model.vectors(catalogue, np.array(slot), sensors)[None]
+    orthogonalise(added, basis, size)
+    known, new = basis[0], added[0]
+    fitted = known[:, :rank] @ model.shapes
+    errors = known[:, size:].T @ fitted - model.score_shapes
+    noise = known[:, rank:size].T @ fitted
+    gained = new[:, :rank] @ model.shapes
+    costs = np.empty(len(catalogue))
+    chunk = max(1, _CACHED // (errors.size + noise.size))
+    for start in range(0, len(catalogue), chunk):
+        part = slice(start, start + chunk)
+        change = gained[part, None, :]
+        changed = errors + new[part, size:, None] * change
+        disturbed = noise + new[part, rank:size, None] * change if model.noise else None
+        costs[part] = model.total(changed, disturbed)
+    return costs
+
+
+def _broken(problem: Problem, others: Indices) -> Indices:
+    """Broken constraints for each span of the catalogue beside the others, shape (S,)."""
+    count = coverage(others[None], problem.segments)[0]
+    bare = count == 0
+    broken = bare.sum() - _within(bare, problem.catalogue)
+    limit = problem.constraints.stacked
+    if limit is not None:
+        broken = broken + (count > limit).sum() + _within(count == limit, problem.catalogue)
+    return np.asarray(broken, dtype=np.intp)
+
+
+def _within(marked: NDArray[np.bool_], spans: Indices) -> Indices:
+    """Number of marked segments within each span."""
+    sums = np.concatenate([[0], np.cumsum(marked)])
+    return np.asarray(sums[spans[:, 1] + 1] - sums[spans[:, 0]], dtype=np.intp)

@@ -1,0 +1,192 @@
+"""The question of a placement, and its answer."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ccgen.errors import InputError
+from ccgen.estimation import (
+    noise_aware,
+    readings,
+    score_percent_rom,
+    score_with_noise_percent_rom,
+    wam,
+    wam_matrix,
+)
+from ccgen.estimation.weights import Weights
+from ccgen.layouts import Spans
+from ccgen.placement.constraints import Constraints
+from ccgen.placement.cost import CostModel, Floats, Indices, cost_model
+from ccgen.shapes import ShapeLibrary, fit_library, score_library
+
+if TYPE_CHECKING:
+    from ccgen.joint import Joint
+
+_AT_ONCE = 64
+"""Placements whose weights are fitted together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Where to put the sensors of one bending axis.
+
+    Attributes:
+        fit: shapes that weights are fitted to.
+        score: shapes that they are scored on.
+        sensors: number n of sensors, fixed ones included.
+        constraints: what the builder allows.
+        noise: standard deviation of a sensor's length over its radius, radians. With 0 the
+            objective is the paper's cost (eq. 11) of WAM weights, else the expected error of
+            noise-aware weights.
+
+    Raises:
+        InputError: constraints that make no sense for this joint.
+    """
+
+    fit: ShapeLibrary
+    score: ShapeLibrary
+    sensors: int
+    constraints: Constraints = field(default_factory=Constraints)
+    noise: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.constraints.check(self.segments, self.sensors)
+
+    @property
+    def segments(self) -> int:
+        """Number m of segments."""
+        return int(self.fit.angles.shape[1])
+
+    @cached_property
+    def model(self) -> CostModel:
+        """The libraries, prepared for costing whole populations."""
+        return cost_model(self.fit, self.score, self.noise)
+
+    @cached_property
+    def catalogue(self) -> Indices:
+        """Spans that a free sensor may have, shape (S, 2).
+
+        Raises:
+            InputError: there is none, and a sensor is free.
+        """
+        spans = self.constraints.catalogue(self.segments)
+        if not len(spans) and len(self.constraints.fixed) < self.sensors:
+            raise InputError("no span keeps to the constraints; loosen them")
+        return spans
+
+    def allows(self, spans: Spans) -> bool:
+        """Whether a placement has the right number of sensors and keeps to every constraint."""
+        rest = list(spans)
+        for span in self.constraints.fixed:
+            if span not in rest:
+                return False
+            rest.remove(span)
+        ordered = np.array([*self.constraints.fixed, *rest], dtype=np.intp)
+        return len(ordered) == self.sensors and not self.violations(ordered[None])[0]
+
+    def violations(self, spans: Indices) -> Indices:
+        """Number of broken constraints of placements with the fixed sensors first, shape (P,)."""
+        return self.constraints.violations(spans, self.segments)
+
+    def weights(self, spans: Spans) -> Weights:
+        """Fit the objective's estimator to one placement."""
+        if not self.noise:
+            return wam(self.fit, spans)
+        return noise_aware(self.fit, spans, self.reading_noise(spans))
+
+    def reading_noise(self, spans: Spans) -> Floats:
+        """Standard deviation of the normalised readings, shape (n,), radians."""
+        return np.array([self.noise / (b - a + 1) for a, b in spans])
+
+    def percent(self, spans: Spans) -> float:
+        """Objective of one placement in % of the range of motion, by `ccgen.estimation` itself."""
+        weights = self.weights(spans)
+        if not self.noise:
+            return score_percent_rom(weights, self.score)
+        noise = self.reading_noise(spans)
+        return score_with_noise_percent_rom(weights, self.score, noise)
+
+    def percents(self, spans: Indices) -> Floats:
+        """Objective of each placement, weights at the minimum of the soft-L1 loss, shape (P,)."""
+        if self.noise:
+            return np.array([self.percent(as_spans(one)) for one in spans])
+        parts = [self._percents(spans[k : k + _AT_ONCE]) for k in range(0, len(spans), _AT_ONCE)]
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    def _percents(self, spans: Indices) -> Floats:
+        matrices = wam_matrix(self.fit.angles, spans)
+        read = np.moveaxis(readings(self.score.angles, spans), 0, -2)
+        errors = np.abs(read @ np.swapaxes(matrices, -1, -2) - self.score.angles)
+        result: Floats = 100.0 * errors.mean(axis=(-2, -1)) / self.score.range_of_motion
+        return result
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Spans found by some method.
+
+    Attributes:
+        method: name of the method.
+        spans: ordered by first and last segment.
+        percent: objective in % of the range of motion.
+        evaluations: how many placements were costed for it.
+        optimality: "proven" (no allowed placement is better), "bound" or "none".
+        gap: share of the objective between it and a proven lower bound; None without a bound.
+    """
+
+    method: str
+    spans: Spans
+    percent: float
+    evaluations: int
+    optimality: str = "none"
+    gap: float | None = None
+
+
+def joint_problem(
+    joint: "Joint",
+    axis: str,
+    sensors: int,
+    constraints: Constraints | None = None,
+    with_noise: bool = False,
+) -> Problem:
+    """Pose the problem for one axis of a user's joint.
+
+    Args:
+        joint: the joint.
+        axis: "u" or "v".
+        sensors: number of sensors to place.
+        constraints: what the builder allows.
+        with_noise: whether the objective is the expected error under the transducer's noise.
+
+    Raises:
+        InputError: senseless constraints, or no noise stated; ReachError: an unreachable shape.
+    """
+    noise = 0.0
+    if with_noise:
+        sensor = joint.axis(axis)
+        if not sensor.transducer.noise:
+            raise InputError(
+                f"{joint.source}: sensors.{axis}.transducer.noise: not stated;"
+                " give one standard deviation in metres, or use the paper's objective"
+            )
+        noise = sensor.transducer.noise / sensor.radius
+    chosen = constraints or Constraints()
+    return Problem(fit_library(joint), score_library(joint), sensors, chosen, noise)
+
+
+def best_of(problem: Problem, candidates: Indices) -> tuple[Spans, float]:
+    """The best of some placements, shape (P, n, 2), by `Problem.percent`; of equals the first.
+
+    Order does not matter, neither of the placements nor of the sensors in each.
+    """
+    distinct = sorted({as_spans(one) for one in candidates})
+    percents = problem.percents(np.array(distinct, dtype=np.intp))
+    chosen = distinct[int(np.argmin(percents))]
+    return chosen, problem.percent(chosen)
+
+
+def as_spans(placement: Indices) -> Spans:
+    """A placement, shape (n, 2), as spans in order."""
+    return tuple(sorted((int(a), int(b)) for a, b in placement))

@@ -1,0 +1,169 @@
+from itertools import combinations_with_replacement
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ccgen.errors import InputError
+from ccgen.joint import read_joint
+from ccgen.layouts import heuristic
+from ccgen.placement import Constraints, Problem, Search, joint_problem, place, search
+from ccgen.placement.exchange import Descent
+from ccgen.placement.exhaustive import count_covering, covering
+from ccgen.placement.problem import as_spans
+from ccgen.shapes import shape_library
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+
+def problem(segments, degrees, sensors, noise=0.0, **limits):
+    rom = np.radians(degrees)
+    fit, score = shape_library(segments, rom, 30), shape_library(segments, rom, 10)
+    return Problem(fit, score, sensors, Constraints(**limits), noise)
+
+
+def every_allowed(posed):
+    """All placements that keep to the constraints, from the definition."""
+    segments, fixed = posed.segments, posed.constraints.fixed
+    spans = [(a, b) for a in range(segments) for b in range(a, segments)]
+    free = combinations_with_replacement(spans, posed.sensors - len(fixed))
+    return {as_spans((*fixed, *one)) for one in free if posed.allows((*fixed, *one))}
+
+
+LIMITS = [
+    {},
+    {"shortest": 2, "longest": 4},
+    {"forbidden": (2, 3)},
+    {"fixed": ((1, 3),)},
+    {"fixed": ((2, 3), (0, 1)), "shortest": 2},
+    {"stacked": 1},
+    {"stacked": 2, "fixed": ((0, 5),), "forbidden": (4,)},
+]
+
+
+@pytest.mark.parametrize("limits", LIMITS, ids=str)
+@pytest.mark.parametrize("sensors", [2, 3])
+def test_enumeration_meets_every_allowed_placement_once(sensors, limits):
+    posed = problem(6, 3.0, sensors, **limits)
+    met = [as_spans(one) for batch in covering(posed) for one in batch]
+    assert len(met) == len(set(met))
+    assert set(met) == every_allowed(posed)
+    if "stacked" not in limits:
+        assert count_covering(posed) == len(met)
+
+
+@pytest.mark.parametrize("limits", LIMITS[:5], ids=str)
+@pytest.mark.parametrize("noise", [0.0, 4e-4])
+def test_search_returns_the_proven_best_of_all_placements(limits, noise):
+    posed = problem(6, 8.0, 2, noise, **limits)
+    if not every_allowed(posed):
+        with pytest.raises(InputError, match="constraints"):
+            search(posed)
+        return
+    found = search(posed)
+    assert found.optimality == "proven"
+    assert found.percent == min(map(posed.percent, every_allowed(posed)))
+    assert posed.allows(found.spans)
+
+
+@pytest.mark.parametrize("degrees", [1.0, 3.0, 8.0])
+@pytest.mark.parametrize("sensors", [2, 3])
+def test_search_on_twelve_segments_is_the_exhaustive_optimum(degrees, sensors):
+    posed = problem(12, degrees, sensors)
+    found = search(posed)
+    everything = np.concatenate(list(covering(posed)))
+    assert len(everything) == {2: 144, 3: 8438}[sensors]
+    near = everything[np.argsort(posed.model.costs(everything))[:200]]
+    assert found.percent == pytest.approx(posed.percents(near).min(), rel=1e-9)
+    assert found.optimality == "proven"
+    assert found.gap == 0.0
+
+
+@pytest.mark.parametrize(
+    ("segments", "degrees", "sensors", "noise"),
+    [(12, 3.0, 3, 0.0), (12, 8.0, 3, 4e-4), (20, 8.0, 3, 0.0), (12, 8.0, 4, 0.0)],
+)
+def test_exchange_search_finds_what_enumeration_proves(segments, degrees, sensors, noise):
+    posed = problem(segments, degrees, sensors, noise)
+    lowest = min(posed.model.costs(batch).min() for batch in covering(posed))
+    found = search(posed, Search(enumerated=0))
+    assert found.optimality == "bound"
+    assert 0 < found.gap < 1
+    assert found.percent == pytest.approx(lowest, rel=1e-3)
+
+
+@pytest.mark.parametrize("limits", [{}, {"shortest": 3, "stacked": 2}, {"fixed": ((9, 12),)}])
+def test_exchange_search_keeps_to_the_constraints(limits):
+    posed = problem(16, 4.0, 4, **limits)
+    found = search(posed, Search(enumerated=0, starts=4))
+    assert posed.allows(found.spans)
+    assert found.percent == posed.percent(found.spans)
+
+
+def test_exchange_search_is_reproducible():
+    posed = problem(16, 4.0, 4)
+    settings = Search(enumerated=0, starts=6, seed=5)
+    assert search(posed, settings) == search(posed, settings)
+
+
+def test_a_descent_ends_where_no_single_exchange_helps():
+    posed = problem(16, 4.0, 4)
+    spans, cost = Descent(posed).run(np.array(heuristic(16, 4)))
+    for slot in range(4):
+        moved = np.repeat(spans[None], len(posed.catalogue), axis=0)
+        moved[:, slot] = posed.catalogue
+        moved = moved[posed.violations(moved) == 0]
+        assert posed.model.costs(moved).min() >= cost * (1 - 1e-6)
+
+
+def test_search_is_never_worse_than_the_heuristic():
+    for sensors in (2, 3, 4, 5, 6):
+        posed = problem(16, 2.0, sensors)
+        found = search(posed, Search(enumerated=1000, starts=4))
+        assert found.percent <= posed.percent(heuristic(16, sensors))
+
+
+@pytest.mark.parametrize(
+    ("limits", "message"),
+    [
+        ({"shortest": 0}, "spans of 0 to 12"),
+        ({"longest": 13}, "spans of 1 to 13"),
+        ({"forbidden": (12,)}, "forbidden segment 12"),
+        ({"fixed": ((3, 12),)}, r"fixed span \[3, 12\]"),
+        ({"fixed": ((0, 1), (2, 3), (4, 5))}, "3 fixed spans"),
+        ({"stacked": 0}, "at most 0 sensors"),
+    ],
+)
+def test_senseless_constraints_are_refused(limits, message):
+    with pytest.raises(InputError, match=message):
+        problem(12, 3.0, 2, **limits)
+
+
+def test_constraints_that_nothing_meets_are_an_error():
+    with pytest.raises(InputError, match="no placement of 2 sensors"):
+        search(problem(12, 3.0, 2, longest=5))
+    with pytest.raises(InputError, match="no span"):
+        search(problem(12, 3.0, 2, forbidden=tuple(range(12))))
+    with pytest.raises(InputError, match="met no placement"):
+        search(problem(16, 3.0, 4, shortest=5, stacked=1), Search(enumerated=0, starts=3))
+
+
+def test_layouts_are_placements_too():
+    posed = problem(12, 3.0, 3)
+    found = place(posed, "heuristic")
+    assert found.spans == heuristic(12, 3)
+    assert found.percent == posed.percent(found.spans)
+    with pytest.raises(InputError, match="single has 1 sensor"):
+        place(posed, "single")
+    with pytest.raises(InputError, match="does not keep"):
+        place(problem(12, 3.0, 3, stacked=1), "heuristic")
+    with pytest.raises(InputError, match="unknown method"):
+        place(posed, "best")
+
+
+def test_a_joint_file_states_the_noise_of_the_objective():
+    joint = read_joint(EXAMPLES / "shoulder.toml")
+    quiet, noisy = joint_problem(joint, "u", 3), joint_problem(joint, "u", 3, with_noise=True)
+    assert quiet.noise == 0.0
+    assert noisy.noise == pytest.approx(joint.u.transducer.noise / joint.u.radius)
+    assert noisy.percent(heuristic(12, 3)) > quiet.percent(heuristic(12, 3))
