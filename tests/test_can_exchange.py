@@ -116,8 +116,13 @@ def test_every_answer_finds_its_snapshot(request, in_flight):
 def test_answers_are_told_as_they_come(request):
     told = []
     counts = snapshots(5)
-    run(request.node.name, counts, on_answer=lambda i, angles, tip: told.append((i, list(angles))))
-    assert told == list(enumerate(expected(counts).tolist()))
+    run(request.node.name, counts, on_answer=told.append)
+    assert [(answer.index, list(answer.angles)) for answer in told] == list(
+        enumerate(expected(counts).tolist())
+    )
+    assert [answer.tip for answer in told] == [(k, 0, -1) for k in range(1, 6)]
+    assert told[-1].lost_frames == 0
+    assert told[-1].status is not None
 
 
 def test_snapshots_leave_at_the_rate_asked_for(request):

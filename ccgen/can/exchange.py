@@ -7,8 +7,10 @@ so one is lost where their counter jumps, or where none ever reports the last sn
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import or_
 
 import can
 import numpy as np
@@ -18,7 +20,6 @@ from ccgen.can.codec import Codec, Decoded, Status, status_of
 from ccgen.can.transports.slcan import BlockSlcanBus
 
 Integers = NDArray[np.int64]
-OnAnswer = Callable[[int, Sequence[int], Sequence[int]], None]
 
 _SILENT_SNAPSHOTS = 8
 """So many snapshots without a single frame in answer mean that nobody is there."""
@@ -37,6 +38,28 @@ class Pace:
     rate_hz: float | None = None
     in_flight: int = 4
     timeout: float = 1.0
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One snapshot's answer as it comes.
+
+    Attributes:
+        index: of the snapshot.
+        angles: 2m raw angles, u segments first.
+        tip: 3 raw coordinates.
+        lost_frames: in this exchange so far.
+        status: the latest; None before the first.
+    """
+
+    index: int
+    angles: tuple[int, ...]
+    tip: tuple[int, ...]
+    lost_frames: int
+    status: Status | None
+
+
+OnAnswer = Callable[[Answer], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +99,7 @@ class Exchange:
     @property
     def faults(self) -> int:
         """Every fault bit that some status reported."""
-        return int(np.bitwise_or.reduce([s.faults for s in self.statuses], initial=0))
+        return reduce(or_, (status.faults for status in self.statuses), 0)
 
 
 def exchange(
@@ -93,8 +116,7 @@ def exchange(
         codec: of the joint.
         counts: shape (k, nu + nv).
         pace: rate, bound on snapshots in flight, time-out.
-        on_answer: called with a snapshot's index, its angles and its tip as each answer is
-            complete.
+        on_answer: called with each answer when it is complete.
 
     Raises:
         ValueError: as many snapshots in flight as the counter can tell apart, or none; a count
@@ -152,6 +174,7 @@ class _Run:
         self.angles = np.zeros((len(self.counts), 2 * layout.segments), dtype=np.int64)
         self.tips = np.zeros((len(self.counts), 3), dtype=np.int64)
         self.complete = np.zeros(len(self.counts), dtype=np.bool_)
+        self.answer_frames = layout.angles_frames + 1
         self.pending: dict[int, _Pending] = {}
         self.statuses = _Statuses(layout.counter_modulus)
         self.sent = self.answered = self.silent = self.lost = self.unexpected = 0
@@ -179,8 +202,7 @@ class _Run:
                 self._send(now)
             else:
                 self._receive(self._patience(now))
-        frames = self.layout.angles_frames + 1
-        self.lost += frames * (len(self.counts) - self.sent)
+        self.lost += self.answer_frames * (len(self.counts) - self.sent)
         for pending in list(self.pending.values()):
             self._close(pending)
 
@@ -242,7 +264,7 @@ class _Run:
     def _send(self, now: float) -> None:
         counter = self.sent % self.layout.counter_modulus
         frames = self.codec.encode(self.counts[self.sent], counter)
-        self.pending[counter] = _Pending(self.sent, now, [None] * self.layout.angles_frames)
+        self.pending[counter] = _Pending(self.sent, now, [None] * (self.answer_frames - 1))
         self.sent += 1
         try:
             if isinstance(self.bus, BlockSlcanBus):
@@ -268,7 +290,7 @@ class _Run:
         pending = self.pending.get(decoded.counter)
         if pending is None or not _store(pending, decoded):
             self.unexpected += 1
-        elif pending.received == self.layout.angles_frames + 1:
+        elif pending.received == self.answer_frames:
             self._finish(pending)
 
     def _finish(self, pending: _Pending) -> None:
@@ -276,24 +298,28 @@ class _Run:
             self._close(earlier)
         self.end = time.perf_counter()
         self._close(pending)
-        angles = [angle for part in pending.angles for angle in part or ()]
+        angles = tuple([angle for part in pending.angles for angle in part or ()])
         tip = pending.tip or ()
         self.angles[pending.index] = angles
         self.tips[pending.index] = tip
         self.complete[pending.index] = True
         if self.on_answer is not None:
-            self.on_answer(pending.index, angles, tip)
+            status = self.statuses.seen[-1] if self.statuses.seen else None
+            lost = self.lost + self.statuses.lost
+            self.on_answer(Answer(pending.index, angles, tip, lost, status))
 
     def _close(self, pending: _Pending) -> None:
         del self.pending[pending.index % self.layout.counter_modulus]
-        self.lost += self.layout.angles_frames + 1 - pending.received
+        self.lost += self.answer_frames - pending.received
         self.answered += pending.received > 0
         self.silent = 0 if pending.received else self.silent + 1
 
     def _expire(self, now: float) -> None:
-        for pending in list(self.pending.values()):
-            if now - pending.sent > self.pace.timeout:
-                self._close(pending)
+        while self.pending:
+            oldest = next(iter(self.pending.values()))
+            if now - oldest.sent <= self.pace.timeout:
+                return
+            self._close(oldest)
 
 
 def _store(pending: _Pending, decoded: Decoded) -> bool:

@@ -23,7 +23,7 @@ SOURCES = ("cases", "random", "sweep")
 """Names of the motions that `motion` knows."""
 
 _MODES = 4
-"""Cosine modes of a random shape: the shortest wave is half the joint."""
+"""Cosine modes of a random shape, each half as strong as the one before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ def motion(source: str, library: ShapeLibrary, count: int, period: int, seed: in
 
     Args:
         source: "cases" walks through the load cases of the library, "random" through smooth random
-            shapes, "sweep" leads a constant curvature around in circles.
+            shapes, "sweep" leads a constant curvature around in a spiral.
         library: shapes of the joint.
         count: snapshots.
         period: snapshots that one round of the motion takes.
@@ -87,24 +87,25 @@ def random_motion(library: ShapeLibrary, turns: Floats, seed: int) -> Motion:
     modes = np.cos(np.pi * np.outer(np.arange(_MODES), place))
     axes = []
     for _ in range(2):
-        weight = random.dirichlet(np.ones(_MODES)) * library.range_of_motion
-        rate = random.uniform(0.5, 2.0, _MODES)
+        strength = random.uniform(0.5, 1.0, _MODES) * 0.5 ** np.arange(_MODES)
+        weight = strength / strength.sum() * library.range_of_motion
+        rate = random.uniform(1.0, 4.0, _MODES)
         phase = random.uniform(0.0, 1.0, _MODES)
         axes.append(np.sin(2 * np.pi * (np.outer(turns, rate) + phase)) * weight @ modes)
     return Motion(*axes)
 
 
 def sweep_motion(library: ShapeLibrary, turns: Floats) -> Motion:
-    """Constant curvature that goes around in one turn and reaches full range after eight.
+    """Constant curvature in a spiral: out to full range and back, four circles a turn.
 
     Args:
         library: shapes of the joint.
         turns: shape (k,), position along the motion.
     """
     segments = library.angles.shape[1]
-    amplitude = library.range_of_motion * (0.5 - 0.5 * np.cos(np.pi * turns / 8))
-    u = amplitude * np.cos(2 * np.pi * turns)
-    v = amplitude * np.sin(2 * np.pi * turns)
+    amplitude = library.range_of_motion * (0.5 - 0.5 * np.cos(2 * np.pi * turns))
+    u = amplitude * np.cos(8 * np.pi * turns)
+    v = amplitude * np.sin(8 * np.pi * turns)
     return Motion(np.repeat(u[:, None], segments, axis=1), np.repeat(v[:, None], segments, axis=1))
 
 

@@ -1,0 +1,177 @@
+"""Simulated lengths to a node and its estimates back, compared with the true shape."""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import can
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.can import sensors
+from ccgen.can.codec import Codec
+from ccgen.can.exchange import Answer, Exchange, Pace, exchange
+from ccgen.can.layout import FAULTS, tip_fraction_bits
+from ccgen.fixedpoint import FixedPointModel
+from ccgen.joint import AXES, Joint
+from ccgen.shapes import ShapeLibrary
+
+Floats = NDArray[np.float64]
+
+_ROUND_SECONDS = 10.0
+"""Time that one round of a simulated motion takes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stream:
+    """What is sent: k snapshots at a rate, and the shapes behind them.
+
+    Attributes:
+        joint, model: of the exported folder.
+        source: name of the motion.
+        rate_hz: snapshots a second.
+        shapes: true segment angles.
+        counts: shape (k, nu + nv).
+    """
+
+    joint: Joint
+    model: FixedPointModel
+    source: str
+    rate_hz: float
+    shapes: sensors.Motion
+    counts: NDArray[np.int64]
+
+    @property
+    def tip_fraction_bits(self) -> int:
+        """A tip coordinate of 1 m is 2^tip_fraction_bits on the bus."""
+        return tip_fraction_bits(self.joint.geometry.length)
+
+    def true_angles(self, index: int) -> dict[str, Floats]:
+        """Segment angles of a snapshot per axis, shape (m,), radians."""
+        return {"u": self.shapes.u[index], "v": self.shapes.v[index]}
+
+    def estimated_angles(self, raw: tuple[int, ...]) -> dict[str, Floats]:
+        """Raw angles of an answer per axis, shape (m,), radians."""
+        split = self.model.segments
+        return {
+            "u": self.model.u.radians(raw[:split]),
+            "v": self.model.v.radians(raw[split:]),
+        }
+
+    def error_percent_rom(self, answer: Answer) -> dict[str, float]:
+        """Mean absolute error of an answer's segment angles per axis, % of range (eq. 12)."""
+        estimated, true = self.estimated_angles(answer.angles), self.true_angles(answer.index)
+        scale = 100.0 / self.joint.geometry.range_of_motion
+        return {a: scale * float(np.abs(estimated[a] - true[a]).mean()) for a in AXES}
+
+
+def simulate(
+    joint: Joint,
+    model: FixedPointModel,
+    library: ShapeLibrary,
+    source: str,
+    seconds: float,
+    rate_hz: float,
+) -> Stream:
+    """Prepare the snapshots of a simulated motion.
+
+    Args:
+        joint, model: of the exported folder.
+        library: shapes of the joint.
+        source: one of `sensors.SOURCES`.
+        seconds: how long the stream lasts; at least one snapshot is sent.
+        rate_hz: snapshots a second.
+    """
+    count, period = max(1, round(seconds * rate_hz)), max(1, round(_ROUND_SECONDS * rate_hz))
+    shapes = sensors.motion(source, library, count, period)
+    counts = sensors.counts(joint, model, shapes)
+    return Stream(joint, model, source, rate_hz, shapes, counts)
+
+
+@dataclass(frozen=True)
+class AxisError:
+    """Error of the estimate against the true shape, % of the range of motion."""
+
+    mean: float
+    worst: float
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a bridged stream came to.
+
+    Attributes:
+        source, transport: what was sent, and how.
+        snapshots: sent.
+        answered: of which all angles and the tip came back.
+        rate_hz: answered snapshots a second.
+        lost_frames, corrupted, unexpected: as of `Exchange`.
+        mismatches: angles that differ from the integer reference model.
+        faults: names of the faults that the node reported.
+        error_percent_rom: per axis, over the answered snapshots; None without any.
+    """
+
+    source: str
+    transport: str
+    snapshots: int
+    answered: int
+    rate_hz: float
+    lost_frames: int
+    corrupted: int
+    unexpected: int
+    mismatches: int
+    faults: tuple[str, ...]
+    error_percent_rom: dict[str, AxisError] | None
+
+    @property
+    def passed(self) -> bool:
+        """Whether every frame came and every angle is the reference model's."""
+        return self.answered > 0 and self.lost_frames == 0 and self.mismatches == 0
+
+    def record(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return asdict(self)
+
+
+def bridge(
+    bus: can.BusABC,
+    codec: Codec,
+    stream: Stream,
+    transport: str,
+    on_answer: Callable[[Answer], None] | None = None,
+) -> Summary:
+    """Send a stream at its rate and sum up what came back."""
+    pace = Pace(rate_hz=stream.rate_hz)
+    return _summary(stream, transport, exchange(bus, codec, stream.counts, pace, on_answer))
+
+
+def _summary(stream: Stream, transport: str, result: Exchange) -> Summary:
+    answered = result.complete
+    wanted = stream.model.estimate(stream.counts[answered])
+    return Summary(
+        source=stream.source,
+        transport=transport,
+        snapshots=result.snapshots,
+        answered=int(np.count_nonzero(answered)),
+        rate_hz=result.rate_hz,
+        lost_frames=result.lost_frames,
+        corrupted=result.corrupted,
+        unexpected=result.unexpected,
+        mismatches=int(np.count_nonzero(result.angles[answered] != wanted)),
+        faults=tuple(name for bit, name in enumerate(FAULTS) if result.faults >> bit & 1),
+        error_percent_rom=_errors(stream, result) if answered.any() else None,
+    )
+
+
+def _errors(stream: Stream, result: Exchange) -> dict[str, AxisError]:
+    split, answered = stream.model.segments, result.complete
+    scale = 100.0 / stream.joint.geometry.range_of_motion
+    errors = {}
+    for axis, raw, true in (
+        ("u", result.angles[:, :split], stream.shapes.u),
+        ("v", result.angles[:, split:], stream.shapes.v),
+    ):
+        estimated = stream.model.axis(axis).radians(raw[answered])
+        off = scale * np.abs(estimated - true[answered])
+        errors[axis] = AxisError(float(off.mean()), float(off.max()))
+    return errors

@@ -1,0 +1,172 @@
+"""The exported C as a node: both transports, every angle bit for bit, and what it makes of errors.
+
+The clock of the library's node advances with snapshots only, so these tests do not depend on the
+speed of the machine.
+"""
+
+import threading
+from dataclasses import dataclass
+from functools import reduce
+from operator import or_
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ccgen.can import sensors
+from ccgen.can.codec import status_of
+from ccgen.can.exchange import Pace, exchange
+from ccgen.can.layout import FAULTS
+from ccgen.can.transports.library import library_node
+from ccgen.can.transports.process import process_node
+from ccgen.errors import ToolError
+from ccgen.export.package import export
+from ccgen.kinematics import tip_pose
+from ccgen.verify.build import build_process, build_shared
+from ccgen.verify.exported import Exported, open_exported
+
+JOINT = """
+name = "finger"
+[geometry]
+segments = 5
+length = 0.1
+range_of_motion = 4.0
+[sensors]
+placement = "heuristic"
+count = 2
+radius = 0.01
+[sensors.transducer]
+bits = {bits}
+metres_per_count = {step}
+[fixed_point]
+precision = {precision}
+[can]
+base_id = {base_id}
+extended = {extended}
+fd = {fd}
+"""
+VARIANTS = {
+    "classic": {"bits": 16, "step": 1e-6, "precision": 16, "fd": "false", "extended": "false"},
+    "fd 24-bit": {"bits": 24, "step": 1e-9, "precision": 32, "fd": "true", "extended": "true"},
+}
+
+
+@dataclass(frozen=True)
+class Built:
+    exported: Exported
+    library: Path
+    program: Path
+
+    @property
+    def counts(self):
+        axes = (self.exported.model.u, self.exported.model.v)
+        return np.concatenate([sensors.corner_counts(axes), sensors.random_counts(axes, 300)])
+
+
+@pytest.fixture(scope="module", params=VARIANTS)
+def built(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("node")
+    base_id = "0x18FF0000" if VARIANTS[request.param]["extended"] == "true" else "0x123"
+    joint = folder / "finger.toml"
+    joint.write_text(JOINT.format(base_id=base_id, **VARIANTS[request.param]), encoding="utf-8")
+    export(joint, folder / "finger")
+    exported = open_exported(folder / "finger")
+    return Built(
+        exported,
+        build_shared(exported.directory, folder),
+        build_process(exported.directory, folder),
+    )
+
+
+def node(built, kind):
+    if kind == "library":
+        return library_node(built.library, built.exported.layout)
+    return process_node(built.program)
+
+
+@pytest.mark.parametrize("kind", ["library", "process"])
+@pytest.mark.parametrize("in_flight", [1, 8])
+def test_every_angle_is_the_models_and_no_frame_is_lost(built, kind, in_flight):
+    with node(built, kind) as bus:
+        result = exchange(bus, built.exported.codec, built.counts, Pace(in_flight=in_flight))
+    assert (result.lost_frames, result.corrupted, result.unexpected) == (0, 0, 0)
+    np.testing.assert_array_equal(result.angles, built.exported.model.estimate(built.counts))
+    assert result.statuses[-1].sample_counter == len(built.counts)
+
+
+@pytest.mark.parametrize("kind", ["library", "process"])
+def test_the_tip_is_where_the_angles_put_it(built, kind):
+    exported = built.exported
+    with node(built, kind) as bus:
+        result = exchange(bus, exported.codec, built.counts)
+    split = exported.model.segments
+    u, v = result.angles[:, :split], result.angles[:, split:]
+    angles = exported.model.u.radians(u), exported.model.v.radians(v)
+    true = tip_pose(*angles, exported.joint.geometry.segment_length)[:, :3, 3]
+    metres = result.tips * 2.0**-exported.layout.tip_fraction_bits
+    assert np.abs(metres - true).max() <= 0.6 * 2.0**-exported.layout.tip_fraction_bits
+
+
+def test_a_count_out_of_range_gives_no_reading_and_names_the_sensor(built):
+    model, codec = built.exported.model, built.exported.codec
+    counts = np.array([[0, 0, 0, 0], [0, 0, 0, model.v.maximum[1] + 1], [0, 0, 0, 0]])
+    with library_node(built.library, built.exported.layout) as bus:
+        result = exchange(bus, codec, counts, Pace(in_flight=1))
+    assert result.lost_frames == 0
+    assert (result.angles[1] == -(2 ** (model.precision - 1))).all()
+    assert (result.tips[1] == -32768).all()
+    np.testing.assert_array_equal(result.angles[[0, 2]], model.estimate(counts[[0, 2]]))
+    reported = [s for s in result.statuses if s.missing_sensors]
+    assert [s.missing_sensors for s in reported] == [1 << 9]
+    assert reported[0].faults == 1 << FAULTS.index("MISSING")
+
+
+def spoilt(frames):
+    frames[0].data[3] ^= 1
+    return frames[:1]
+
+
+def shortened(frames):
+    length = 48 if frames[0].is_fd else 7
+    frames[0].data, frames[0].dlc = frames[0].data[:length], length
+    return frames[:1]
+
+
+@pytest.mark.parametrize(
+    ("traffic", "fault", "snapshots"),
+    [
+        (lambda frames: spoilt(frames(0)), "CRC", 0),
+        (lambda frames: shortened(frames(0)), "FORMAT", 0),
+        (lambda frames: frames(0) + frames(0), "REPEATED", 1),
+        (lambda frames: frames(5) + frames(4), "REORDERED", 1),
+        (lambda frames: frames(0) + frames(3), "LOST", 2),
+    ],
+)
+def test_the_status_says_what_was_wrong_with_the_traffic(built, traffic, fault, snapshots):
+    codec = built.exported.codec
+    with library_node(built.library, built.exported.layout) as bus:
+        for frame in traffic(lambda counter: codec.encode([1, 2, 3, 4], counter)):
+            bus.send(frame)
+        statuses = []
+        while len(statuses) < 5:
+            decoded = codec.decode(bus.recv(5.0))
+            statuses += [status_of(decoded)] if decoded.kind == "status" else []
+    reported = reduce(or_, (status.faults for status in statuses))
+    assert reported & ~(1 << FAULTS.index("STALE")) == 1 << FAULTS.index(fault)
+    assert statuses[-1].sample_counter == snapshots
+
+
+def test_a_library_that_is_none_is_named(tmp_path, built):
+    path = tmp_path / "libjoint.so"
+    path.write_bytes(b"no library")
+    with pytest.raises(ToolError, match="is no node's library"):  # noqa: SIM117
+        with library_node(path, built.exported.layout):
+            pass
+
+
+def test_no_thread_stays_behind(built):
+    before = threading.active_count()
+    with pytest.raises(RuntimeError, match="mine"):  # noqa: SIM117
+        with library_node(built.library, built.exported.layout):
+            raise RuntimeError("mine")
+    assert threading.active_count() == before
