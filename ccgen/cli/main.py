@@ -7,11 +7,13 @@ from typing import Annotated
 import typer
 
 from ccgen import __version__
+from ccgen.cli.bridge import bridge
 from ccgen.cli.export import export
 from ccgen.cli.failures import Debug, in_one_line
 from ccgen.cli.fit import fit
 from ccgen.cli.init import init
 from ccgen.cli.simulate import simulate
+from ccgen.cli.verify import verify
 
 app = typer.Typer(
     name="ccgen",
@@ -26,6 +28,8 @@ app.command()(in_one_line(init))
 app.command()(in_one_line(simulate))
 app.command()(in_one_line(fit))
 app.command()(in_one_line(export))
+app.command()(in_one_line(verify))
+app.command()(in_one_line(bridge))
 
 
 def _print_version(wanted: bool) -> None:

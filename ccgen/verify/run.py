@@ -1,5 +1,6 @@
 """What a verification found, one record a transport."""
 
+import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -44,5 +45,6 @@ class Run:
         )
 
     def record(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return asdict(self) | {"passed": self.passed}
+        """Plain values for JSON; a pose that is no number at all has no error to tell."""
+        error = self.pose_max_error_m if math.isfinite(self.pose_max_error_m) else None
+        return asdict(self) | {"pose_max_error_m": error, "passed": self.passed}

@@ -1,0 +1,116 @@
+"""Compares batches that need not cross a bus: angles, poses and Jacobians."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen import kinematics
+from ccgen.can import sensors
+from ccgen.verify.compare import angles_in_radians
+from ccgen.verify.exported import Exported
+from ccgen.verify.inputs import shape_counts
+from ccgen.verify.library import JointLibrary
+from ccgen.verify.plan import Plan, Progress
+from ccgen.verify.run import Run
+
+Integers = NDArray[np.int64]
+
+BLOCK = 1024
+"""Snapshots that share a zero."""
+
+POSES = 512
+"""Shapes whose poses and Jacobians are compared, half of them from the library."""
+
+TITLE = "batch, shared library"
+
+
+@dataclass(frozen=True)
+class _Excess:
+    """A quantity's largest error, and its bound."""
+
+    name: str
+    error: float
+    bound: float
+
+
+def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, report: Progress) -> Run:
+    """Compare counts and zeros over the full declared range, then poses and Jacobians."""
+    total = plan.batch_snapshots(exported.model.segments)
+    compared = wrong = 0
+    started = time.monotonic()
+    for block, first in enumerate(range(0, total, BLOCK)):
+        size = min(BLOCK, total - first)
+        wrong += _wrong_angles(exported, library, plan.seed + block, size)
+        compared += size * 2 * exported.model.segments
+        report(TITLE, first + size, total)
+    seconds = time.monotonic() - started
+    errors = _kinematic_errors(exported, library)
+    return Run(
+        target="host",
+        transport="batch",
+        snapshots=total,
+        compared_values=compared,
+        mismatches=wrong,
+        lost_frames=0,
+        rate_hz=total / seconds,
+        pose_max_error_m=errors[0].error,
+        pose_bound_m=errors[0].bound,
+        note="; ".join(
+            f"{e.name} off by {e.error:.3g}, bound {e.bound:.3g}"
+            for e in errors[1:]
+            if not e.error <= e.bound
+        ),
+    )
+
+
+def _wrong_angles(exported: Exported, library: JointLibrary, seed: int, size: int) -> int:
+    """Mismatches in a block whose zero is a corner or drawn over the whole range."""
+    axes = (exported.model.u, exported.model.v)
+    corners = sensors.corner_counts(axes)
+    zeros = np.concatenate([corners, sensors.random_counts(axes, len(corners), seed)])
+    zero = zeros[seed % len(zeros)]
+    counts = np.concatenate([corners, sensors.random_counts(axes, size, seed + 1)])[:size]
+    angles, results = library.estimate(counts, zero)
+    split = exported.model.u.sensors
+    right = np.concatenate(
+        [
+            exported.model.u.estimate(counts[:, :split], zero[:split]),
+            exported.model.v.estimate(counts[:, split:], zero[split:]),
+        ],
+        axis=1,
+    )
+    angles[results != 0] = ~right[results != 0]
+    return int(np.count_nonzero(angles != right))
+
+
+def _kinematic_errors(exported: Exported, library: JointLibrary) -> list[_Excess]:
+    """Largest errors against double precision: positions first, then rotations and Jacobians."""
+    angles = _pose_angles(exported)
+    u, v = angles_in_radians(exported, angles)
+    h = exported.joint.geometry.segment_length
+    poses = kinematics.chain(u, v, h)
+    poses = np.concatenate([poses, poses[:, -1:]], axis=1)
+    positions, rotations = library.poses(angles)
+    error = library.jacobians(angles) - kinematics.tip_jacobian(u, v, h)
+    bounds = exported.pose_bounds
+    return [
+        _Excess("position", _largest(positions - poses[..., :3, 3], (-1,)), bounds.position),
+        _Excess("rotation", _largest(rotations - poses[..., :3, :3], (-2, -1)), bounds.rotation),
+        _Excess("linear Jacobian", _largest(error[:, :3], (1,)), bounds.linear),
+        _Excess("angular Jacobian", _largest(error[:, 3:], (1,)), bounds.angular),
+    ]
+
+
+def _pose_angles(exported: Exported) -> Integers:
+    """Shapes of the library, and angles drawn over the whole format."""
+    shapes = exported.model.estimate(shape_counts(exported))[: POSES // 2]
+    limit = exported.model.u.angle_limit
+    random = np.random.default_rng(0)
+    drawn = random.integers(-limit, limit, (POSES - len(shapes), shapes.shape[1]), endpoint=True)
+    return np.concatenate([shapes, drawn])
+
+
+def _largest(difference: NDArray[np.float64], axes: tuple[int, ...]) -> float:
+    return float(np.sqrt(np.sum(np.square(difference), axis=axes)).max())

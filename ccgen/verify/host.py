@@ -1,0 +1,57 @@
+"""Verifies a folder on this machine, over each transport in turn."""
+
+import tempfile
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+
+import can
+
+from ccgen.can.exchange import Answer, Pace, exchange
+from ccgen.can.transports.library import library_node
+from ccgen.can.transports.process import process_node
+from ccgen.verify.batch import compare_batches
+from ccgen.verify.build import build_process, build_shared
+from ccgen.verify.compare import compare_exchange
+from ccgen.verify.exported import Exported
+from ccgen.verify.inputs import bus_counts
+from ccgen.verify.library import JointLibrary
+from ccgen.verify.plan import Plan, Progress
+from ccgen.verify.run import Run
+
+_REPORT_EVERY = 256
+
+
+def verify(exported: Exported, plan: Plan, report: Progress) -> list[Run]:
+    """Batches through the shared library, then both buses; a record each.
+
+    Raises:
+        ToolError: no compiler, or it does not accept the folder.
+    """
+    counts = bus_counts(exported, plan.bus_snapshots(exported.model.segments), plan.seed)
+    runs = []
+    with tempfile.TemporaryDirectory(prefix="ccgen-") as folder:
+        shared = build_shared(exported.directory, Path(folder))
+        program = build_process(exported.directory, Path(folder))
+        library = JointLibrary(shared, exported.model)
+        runs.append(compare_batches(exported, library, plan, report))
+        nodes: dict[str, Callable[[], AbstractContextManager[can.BusABC]]] = {
+            "virtual": lambda: library_node(shared, exported.layout),
+            "slcan-pty": lambda: process_node(program),
+        }
+        for transport, node in nodes.items():
+            with node() as bus:
+                answers = exchange(
+                    bus, exported.codec, counts, Pace(), _reporter(report, transport, len(counts))
+                )
+            runs.append(compare_exchange(exported, "host", transport, counts, answers))
+    return runs
+
+
+def _reporter(report: Progress, transport: str, total: int) -> Callable[[Answer], None]:
+    def after(answer: Answer) -> None:
+        done = answer.index + 1
+        if done % _REPORT_EVERY == 0 or done == total:
+            report(transport, done, total)
+
+    return after

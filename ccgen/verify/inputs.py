@@ -1,0 +1,33 @@
+"""What is sent for a verification: shapes, corners, and counts over the full declared range."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.can import sensors
+from ccgen.can.sensors import Motion
+from ccgen.shapes import fit_library
+from ccgen.verify.exported import Exported
+
+Integers = NDArray[np.int64]
+
+
+def bus_counts(exported: Exported, snapshots: int, seed: int) -> Integers:
+    """Snapshots to send over a bus: the shape library, the corners, and random counts.
+
+    Args:
+        exported: the folder.
+        snapshots: how many; the shapes and the corners come first.
+        seed: of the random counts.
+
+    Returns:
+        Shape (snapshots, nu + nv).
+    """
+    axes = (exported.model.u, exported.model.v)
+    fixed = np.concatenate([shape_counts(exported), sensors.corner_counts(axes)])[:snapshots]
+    return np.concatenate([fixed, sensors.random_counts(axes, snapshots - len(fixed), seed)])
+
+
+def shape_counts(exported: Exported) -> Integers:
+    """Counts of the shape library, the v axis bent by each shape's mirror image."""
+    angles = fit_library(exported.joint).angles
+    return sensors.counts(exported.joint, exported.model, Motion(angles, -angles[::-1]))

@@ -1,0 +1,81 @@
+"""The exported C as a shared library: estimates, poses and Jacobians in batches."""
+
+import ctypes
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.errors import ToolError
+from ccgen.fixedpoint import FixedPointModel
+
+Integers = NDArray[np.int64]
+Singles = NDArray[np.float32]
+
+
+class JointLibrary:
+    """What ports/shared offers for arrays; shapes as there.
+
+    Args:
+        path: the shared library.
+        model: the joint's model; the library must have its shape.
+
+    Raises:
+        ToolError: the library cannot be loaded or is that of another joint.
+    """
+
+    def __init__(self, path: Path, model: FixedPointModel) -> None:
+        try:
+            self._library = ctypes.CDLL(str(path))
+        except OSError as error:
+            raise ToolError(f"{path}: cannot be loaded: {error}") from error
+        self._integer = np.dtype(f"int{model.precision}")
+        self._columns = 2 * model.segments
+        shape = (ctypes.c_int32 * 4)()
+        self._library.ccgen_shared_shape(shape)
+        if list(shape) != [model.segments, model.u.sensors, model.v.sensors, model.precision]:
+            raise ToolError(f"{path}: is the library of another joint")
+
+    def estimate(self, counts: Integers, zero: Integers) -> tuple[Integers, Integers]:
+        """Angles and results of snapshots that share a zero.
+
+        Args:
+            counts: shape (k, nu + nv).
+            zero: shape (nu + nv,).
+
+        Returns:
+            Angles, shape (k, 2 m), and what the C returned for each snapshot, shape (k,).
+        """
+        angles = np.zeros((len(counts), self._columns), dtype=self._integer)
+        results = np.zeros(len(counts), dtype=np.int8)
+        self._call(
+            "ccgen_batch_estimate", self._dense(counts), self._dense(zero), len(counts),
+            angles, results,
+        )  # fmt: skip
+        return angles.astype(np.int64), results.astype(np.int64)
+
+    def poses(self, angles: Integers) -> tuple[Singles, Singles]:
+        """Positions (k, m + 1, 3) in metres and rotations (k, m + 1, 3, 3): segments, then tip."""
+        rows = self._columns // 2 + 1
+        positions = np.zeros((len(angles), rows, 3), dtype=np.float32)
+        rotations = np.zeros((len(angles), rows, 3, 3), dtype=np.float32)
+        self._call("ccgen_batch_poses", self._dense(angles), len(angles), positions, rotations)
+        return positions, rotations
+
+    def jacobians(self, angles: Integers) -> Singles:
+        """Tip Jacobians (k, 6, 2 m)."""
+        jacobians = np.zeros((len(angles), 6, self._columns), dtype=np.float32)
+        self._call("ccgen_batch_jacobians", self._dense(angles), len(angles), jacobians)
+        return jacobians
+
+    def _dense(self, values: Integers) -> NDArray[np.signedinteger]:
+        return np.ascontiguousarray(values, dtype=self._integer)
+
+    def _call(self, name: str, *arguments: NDArray[np.generic] | int) -> None:
+        converted = [
+            ctypes.c_size_t(a) if isinstance(a, int) else ctypes.c_void_p(a.ctypes.data)
+            for a in arguments
+        ]
+        result = getattr(self._library, name)(*converted)
+        if result != 0:
+            raise ToolError(f"{name} returned {result}")

@@ -1,0 +1,22 @@
+"""Targets by name: the host, or a microcontroller's core in an emulator."""
+
+from ccgen.errors import InputError
+from ccgen.verify.exported import Exported
+from ccgen.verify.plan import Plan, Progress
+from ccgen.verify.run import Run
+
+TARGETS = ("host",)
+
+
+def verify_target(exported: Exported, target: str, plan: Plan, report: Progress) -> list[Run]:
+    """Verify a folder on one target; a record for each transport.
+
+    Raises:
+        InputError: unknown target.
+        ToolError: a compiler or an emulator is missing, or does not accept the folder.
+    """
+    if target not in TARGETS:
+        raise InputError(f"--target {target}: unknown; known: {', '.join(TARGETS)}")
+    from ccgen.verify import host
+
+    return host.verify(exported, plan, report)
