@@ -208,6 +208,8 @@ class _Run:
 
     def wait_for_last_status(self) -> None:
         """Wait for the status that reports the last snapshot; one is lost if it never comes."""
+        if not self.answered:
+            return
         patience = time.perf_counter() + self.pace.timeout
         while not self._reported():
             left = patience - time.perf_counter()

@@ -1,0 +1,144 @@
+"""`ccgen bridge`: simulated lengths to a node, its estimates back, live."""
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ccgen.cli.output import print_json, results
+from ccgen.errors import CheckError
+
+if TYPE_CHECKING:
+    import can
+
+    from ccgen.can.bridge import Summary
+    from ccgen.verify.exported import Exported
+
+
+class Source(StrEnum):
+    """The simulated motions, `ccgen.can.sensors.SOURCES`."""
+
+    CASES = "cases"
+    RANDOM = "random"
+    SWEEP = "sweep"
+
+
+def bridge(
+    directory: Annotated[
+        Path, typer.Argument(metavar="DIR", help="A folder that `ccgen export` wrote.")
+    ],
+    interface: Annotated[
+        str, typer.Option("--interface", help="python-can's name of the bus.")
+    ] = "virtual",
+    channel: Annotated[
+        str | None,
+        typer.Option(
+            "--channel",
+            help="python-can's channel, such as can0. Without one, `virtual` and `slcan` run the "
+            "folder's node on this machine.",
+        ),
+    ] = None,
+    source: Annotated[Source, typer.Option("--source", help="What moves the joint.")] = (
+        Source.CASES
+    ),
+    seconds: Annotated[
+        float, typer.Option("--seconds", min=0.0, help="How long to stream.")
+    ] = 10.0,
+    rate: Annotated[
+        float | None,
+        typer.Option(
+            "--rate",
+            metavar="HZ",
+            min=0.1,
+            max=100_000.0,
+            help="Snapshots a second.  [default: one a cycle]",
+        ),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Stream simulated sensor lengths to a node and compare its estimates with the true shape.
+
+    A lost frame or an angle that differs from the reference model ends with status 1.
+
+    \b
+    Example:
+      ccgen bridge firmware --source random --seconds 60
+      ccgen bridge firmware --interface socketcan --channel can0
+    """
+    from ccgen.can import bridge as stage
+    from ccgen.cli.bridge_display import display
+    from ccgen.shapes import score_library
+    from ccgen.verify.exported import open_exported
+
+    exported = open_exported(directory)
+    rate_hz = rate or 1000.0 / exported.joint.can.cycle_ms
+    stream = stage.simulate(
+        exported.joint,
+        exported.model,
+        score_library(exported.joint),
+        source.value,
+        seconds,
+        rate_hz,
+    )
+    where = f"{interface} {channel}" if channel else interface
+    with _node(exported, interface, channel) as bus, display(stream, where) as show:
+        summary = stage.bridge(bus, exported.codec, stream, where, show)
+    if json:
+        print_json(summary.record())
+    else:
+        _print(summary)
+    if not summary.passed:
+        raise CheckError(_failure(summary))
+
+
+@contextmanager
+def _node(exported: "Exported", interface: str, channel: str | None) -> Iterator["can.BusABC"]:
+    """Run the folder's own node, or open the bus of one that runs elsewhere."""
+    from ccgen.can.transports.interface import interface_node
+    from ccgen.can.transports.library import library_node
+    from ccgen.can.transports.process import process_node
+    from ccgen.verify.build import build_process, build_shared
+
+    if channel is not None or interface not in ("virtual", "slcan"):
+        bitrate = None if interface == "virtual" else exported.joint.can.bitrate
+        with interface_node(exported.layout, interface, channel, bitrate) as bus:
+            yield bus
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        if interface == "virtual":
+            library = build_shared(exported.directory, Path(folder))
+            with library_node(library, exported.layout) as bus:
+                yield bus
+        else:
+            with process_node(build_process(exported.directory, Path(folder))) as bus:
+                yield bus
+
+
+def _print(summary: "Summary") -> None:
+    from rich.table import Table
+
+    table = Table(title=f"{summary.source} over {summary.transport}", show_header=False)
+    table.add_row("snapshots", f"{summary.answered} of {summary.snapshots} answered")
+    table.add_row("rate", f"{summary.rate_hz:.1f} a second")
+    table.add_row("frames", f"{summary.lost_frames} lost, {summary.corrupted} damaged")
+    table.add_row("reference model", f"{summary.mismatches} angles differ")
+    table.add_row("faults", ", ".join(summary.faults) or "none")
+    for axis, error in (summary.error_percent_rom or {}).items():
+        table.add_row(f"error of {axis}", f"{error.mean:.3f} % of range, worst {error.worst:.3f}")
+    results().print(table)
+
+
+def _failure(summary: "Summary") -> str:
+    if not summary.answered:
+        return (
+            f"{summary.transport}: no snapshot was answered in full; "
+            f"does the joint's node listen there?"
+        )
+    return (
+        f"{summary.transport}: {summary.lost_frames} frames lost, "
+        f"{summary.mismatches} angles differ from the reference model"
+    )

@@ -1,0 +1,189 @@
+"""`ccgen bridge`: streams over both local transports, what it prints, and how it fails."""
+
+import json
+import threading
+from dataclasses import replace
+from pathlib import Path
+
+import can
+import numpy as np
+import pytest
+from rich.console import Console
+
+from ccgen.can.bridge import simulate
+from ccgen.can.exchange import Answer
+from ccgen.cli import bridge_display
+from ccgen.cli.bridge import Source
+from ccgen.cli.main import main
+from ccgen.export.package import export
+from ccgen.shapes import score_library
+from ccgen.verify.exported import open_exported
+
+EXAMPLE = Path(__file__).parent.parent / "examples" / "shoulder.toml"
+
+
+def ccgen(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    return int(end.value.code or 0)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("bridge") / "shoulder"
+    export(EXAMPLE, directory)
+    return directory
+
+
+@pytest.fixture(scope="module")
+def stream(folder):
+    exported = open_exported(folder)
+    library = score_library(exported.joint)
+    return simulate(exported.joint, exported.model, library, "cases", 0.5, 100.0)
+
+
+def answer_to(stream, index, lost_frames=0):
+    angles = tuple(stream.model.estimate(stream.counts[index]).tolist())
+    return Answer(index, angles, (0, 2**14, -(2**14)), lost_frames, None)
+
+
+@pytest.mark.parametrize(
+    ("interface", "source"), [("virtual", "cases"), ("slcan", "sweep"), ("virtual", "random")]
+)
+def test_a_stream_comes_back_whole_and_as_the_model_has_it(folder, capsys, interface, source):
+    status = ccgen(
+        "bridge", str(folder), "--interface", interface, "--source", source, "--seconds", "0.5",
+        "--rate", "200", "--json",
+    )  # fmt: skip
+    out, err = capsys.readouterr()
+    assert (status, err) == (0, "")
+    record = json.loads(out)
+    assert (record["transport"], record["source"]) == (interface, source)
+    assert (record["snapshots"], record["answered"]) == (100, 100)
+    assert (record["lost_frames"], record["corrupted"], record["mismatches"]) == (0, 0, 0)
+    assert 0 < record["rate_hz"] < 250
+    assert set(record["error_percent_rom"]) == {"u", "v"}
+
+
+def test_without_json_the_summary_is_a_table_of_one_snapshot_a_cycle(folder, capsys):
+    assert ccgen("bridge", str(folder), "--seconds", "0.1") == 0
+    out, _ = capsys.readouterr()
+    assert "10 of 10 answered" in out
+    assert "0 lost, 0 damaged" in out
+
+
+def test_where_nobody_answers_the_status_is_one_and_the_line_says_so(folder, capsys):
+    status = ccgen(
+        "bridge", str(folder), "--interface", "virtual", "--channel", "nobody", "--seconds", "0.05"
+    )
+    assert status == 1
+    assert "no snapshot was answered in full; does the joint's node listen there?" in (
+        capsys.readouterr().err
+    )
+
+
+def test_a_node_that_answers_wrongly_fails_the_bridge(folder, capsys):
+    """The way back swallows one ANGLES frame of every answer."""
+    channel = "spoilt"
+    exported = open_exported(folder)
+    swallowed = exported.layout.frames_of("angles")[2].id
+    done = threading.Event()
+
+    def forward():
+        from ccgen.can.transports.library import library_node
+        from ccgen.verify.build import build_shared
+
+        library = build_shared(folder, folder.parent)
+        ready.set()
+        with library_node(library, exported.layout) as node, outer:
+            while not done.is_set():
+                while (message := outer.recv(0)) is not None:
+                    node.send(message)
+                message = node.recv(0.01)
+                if message is not None and message.arbitration_id != swallowed:
+                    outer.send(message)
+
+    outer, ready = can.Bus(interface="virtual", channel=channel), threading.Event()
+    thread = threading.Thread(target=forward)
+    thread.start()
+    assert ready.wait(30)
+    status = ccgen(
+        "bridge", str(folder), "--interface", "virtual", "--channel", channel, "--seconds", "0.05"
+    )
+    done.set()
+    thread.join(10)
+    assert not thread.is_alive()
+    out, err = capsys.readouterr()
+    assert status == 1
+    assert "0 of 5 answered" in out
+    assert "no snapshot was answered in full" in err
+
+
+def test_an_interface_that_does_not_open_is_bad_input(folder, capsys):
+    status = ccgen(
+        "bridge", str(folder), "--interface", "slcan", "--channel", "/dev/nowhere", "--seconds", "1"
+    )
+    assert status == 2
+    assert "--interface slcan /dev/nowhere: cannot be opened" in capsys.readouterr().err
+
+
+def test_a_folder_that_is_no_export_is_bad_input(tmp_path, capsys):
+    assert ccgen("bridge", str(tmp_path)) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert str(tmp_path) in err
+
+
+def test_the_options_know_every_source():
+    from ccgen.can.sensors import SOURCES
+
+    assert tuple(Source) == SOURCES
+
+
+def test_the_load_cases_are_followed_as_closely_as_the_fit_promises(stream):
+    exported = (stream.joint, stream.model)
+    round_trip = simulate(*exported, score_library(stream.joint), "cases", 10.0, 20.0)
+    errors = [
+        round_trip.error_percent_rom(answer_to(round_trip, k))["u"]
+        for k in range(len(round_trip.counts))
+    ]
+    assert 0 < np.mean(errors) < 0.05
+
+
+def test_errors_are_percent_of_the_range_of_motion(stream):
+    answer = answer_to(stream, 7)
+    off = replace(answer, angles=tuple(angle + 100 for angle in answer.angles))
+    step = 100 * 100 * 2.0**-stream.model.u.fraction_bits / stream.joint.geometry.range_of_motion
+    assert stream.error_percent_rom(answer)["u"] < 0.2
+    assert stream.error_percent_rom(off)["u"] == pytest.approx(step, rel=0.2)
+    np.testing.assert_allclose(
+        stream.estimated_angles(answer.angles)["v"], stream.true_angles(7)["v"], atol=1e-3
+    )
+
+
+def test_the_live_table_shows_counts_shape_tip_and_losses(stream):
+    console = Console(width=140, file=None, record=True, quiet=False)
+    with console.capture() as shown:
+        console.print(bridge_display._table(stream, "virtual", answer_to(stream, 20, 3), 2.0))
+    text = shown.get()
+    assert "shoulder on virtual: cases" in text
+    for count in stream.counts[20]:
+        assert str(count) in text
+    assert "tip     0.0   125.0  -125.0 mm" in text
+    assert "snapshot 21 of 50, 10 a second, 3 frames lost, 0 sensors missing" in text
+
+
+def test_plain_progress_is_a_line_with_both_errors(stream):
+    line = bridge_display._line(stream, answer_to(stream, 20, 3))
+    assert line.startswith("snapshot 21 of 50: error u 0.")
+    assert line.endswith("% of range, 3 frames lost")
+
+
+def test_progress_is_shown_once_an_interval(monkeypatch, stream):
+    clock, shown = [0.0], []
+    monkeypatch.setattr(bridge_display.time, "monotonic", lambda: clock[0])
+    show = bridge_display._every(0.1, lambda answer, seconds: shown.append(seconds))
+    for step in range(26):
+        clock[0] = step / 100
+        show(answer_to(stream, 0))
+    assert shown == [0.1, 0.2]
