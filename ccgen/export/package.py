@@ -30,6 +30,7 @@ JOINT_FILES = {
     "selftest/{name}_selftest.c": "selftest.c.j2",
     "selftest/main.c": "selftest_main.c.j2",
     "ports/port_joint.h": "port_joint.h.j2",
+    "ports/port_selftest.h": "port_selftest.h.j2",
     "CMakeLists.txt": "CMakeLists.txt.j2",
     "cmake/{name}-config.cmake": "cmake_config.cmake.j2",
     "zephyr/module.yml": "zephyr_module.yml.j2",

@@ -27,7 +27,10 @@ enum {
 /** Starts clock, receiver and transmitter, and enables interrupts. Call once, first. */
 void board_init(void);
 
-/** \return microseconds since the start, wrapping at 2^32; call at least once a second */
+/**
+ * Call from the main loop, at least once a second.
+ * \return microseconds since the start, never stepping back, wrapping at 2^32
+ */
 uint32_t board_time_us(void);
 
 /** \return the oldest received byte that was not read yet, -1 if there is none */

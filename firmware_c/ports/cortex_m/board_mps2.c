@@ -63,14 +63,17 @@ void board_init(void) {
     irq_enable(UART_RECEIVE_IRQ);
 }
 
-/* The counter may wrap between reading it and reading the ticks: read until they agree. */
+/*
+ * The counter may wrap between reading it and reading the ticks, and at 0 its tick may have been
+ * counted or not: read until they agree, so that the clock never steps back.
+ */
 uint32_t board_time_us(void) {
     uint32_t before;
     uint32_t counter;
     do {
         before = ticks_us;
         counter = SYSTICK_VAL;
-    } while ((before != ticks_us) || ((ICSR & ICSR_PENDSTSET) != 0u));
+    } while ((counter == 0u) || (before != ticks_us) || ((ICSR & ICSR_PENDSTSET) != 0u));
     return before + (TICK_US - 1u) - counter / CLOCK_MHZ;
 }
 

@@ -14,7 +14,18 @@ typedef void (*vector_t)(void);
 /** What the processor reads at address 0. */
 typedef struct {
     const void *stack;
-    vector_t vectors[15];
+    vector_t reset;
+    vector_t nmi;
+    vector_t hard_fault;
+    vector_t memory_fault;
+    vector_t bus_fault;
+    vector_t usage_fault;
+    vector_t reserved_7[4];
+    vector_t supervisor_call;
+    vector_t debug_monitor;
+    vector_t reserved_13;
+    vector_t pending_service;
+    vector_t systick;
 } core_vectors_t;
 
 /* Of the linker script. */
@@ -35,11 +46,17 @@ __attribute__((weak)) void systick_handler(void) {
 }
 
 __attribute__((section(".vectors.core"), used)) static const core_vectors_t core_vectors = {
-    &stack_top,
-    {reset_handler, fault_handler /* NMI */, fault_handler /* HardFault */,
-     fault_handler /* MemManage */, fault_handler /* BusFault */, fault_handler /* UsageFault */,
-     0, 0, 0, 0, fault_handler /* SVCall */, fault_handler /* DebugMonitor */, 0,
-     fault_handler /* PendSV */, systick_handler},
+    .stack = &stack_top,
+    .reset = reset_handler,
+    .nmi = fault_handler,
+    .hard_fault = fault_handler,
+    .memory_fault = fault_handler,
+    .bus_fault = fault_handler,
+    .usage_fault = fault_handler,
+    .supervisor_call = fault_handler,
+    .debug_monitor = fault_handler,
+    .pending_service = fault_handler,
+    .systick = systick_handler,
 };
 
 #if defined(__ARM_FP)

@@ -1,0 +1,173 @@
+"""The batch firmware: many snapshots estimated on the target, compared by checksums.
+
+A block of snapshots crosses the UART as one checksum. If it is not the reference model's, every
+angle of the block counts as a mismatch. Besides, tip poses of drawn angles: the positions cross as
+the bits of their floats, and a checksum covers the bits of the whole poses.
+"""
+
+import math
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.errors import ToolError
+from ccgen.export import vectors
+from ccgen.verify.compare import tip_positions
+from ccgen.verify.exported import Exported
+from ccgen.verify.plan import Plan, Progress
+from ccgen.verify.run import Run
+from ccgen.verify.targets.cross import build, core_named, require_tools
+from ccgen.verify.targets.emulator import run_to_end
+
+BLOCK = 256
+"""Snapshots a checksum."""
+
+POSES = 64
+"""Tip poses that are computed on the target."""
+
+_TIMEOUT = 600.0
+
+
+@dataclass
+class Printed:
+    """What the firmware printed.
+
+    Attributes:
+        vectors: angles compared by the built-in self-test and mismatches, if it ran.
+        checksums: of the blocks, by seed.
+        tips: position of each tip, metres.
+        poses: checksum of the bits of all poses.
+        ended: whether the last line came.
+        seconds: that the firmware ran.
+    """
+
+    vectors: tuple[int, int] = (0, 0)
+    checksums: dict[int, int] = field(default_factory=dict)
+    tips: list[tuple[float, ...]] = field(default_factory=list)
+    poses: int | None = None
+    ended: bool = False
+    seconds: float = 0.0
+
+    def take(self, line: str) -> None:
+        """Add a line."""
+        kind, *digits = line.split(" ")
+        try:
+            words = [int(word, 16) for word in digits]
+            if kind == "vectors":
+                compared, mismatches = words
+                self.vectors = (compared, mismatches)
+            elif kind == "angles":
+                seed, self.checksums[seed] = words[0], words[1]
+            elif kind == "tip":
+                x, y, z = np.array(words, dtype=np.uint32).view(np.float32).tolist()
+                self.tips.append((x, y, z))
+            elif kind == "poses":
+                (self.poses,) = words
+            elif kind == "end":
+                self.ended = True
+            else:
+                raise ValueError
+        except (ValueError, IndexError) as error:
+            raise ToolError(f"the firmware printed {line!r}, which is none of its lines") from error
+
+
+def run_batch(
+    exported: Exported, target: str, plan: Plan, report: Progress, options: Sequence[str] = ("-O2",)
+) -> Printed:
+    """Compile the batch firmware and run it in the target's emulator.
+
+    Args:
+        exported: the folder.
+        target: one of `TARGETS`.
+        plan: extent.
+        report: of progress.
+        options: the compiler's, such as the level of optimisation.
+
+    Raises:
+        ToolError: something is missing, or the firmware does not compile or run.
+    """
+    require_tools(target)
+    core = core_named(target)
+    blocks = _blocks(exported, plan)
+    extent = (
+        f"-DBATCH_SEED={plan.seed & 0xFFFFFFFF}u", f"-DBATCH_BLOCKS={blocks}u",
+        f"-DBATCH_SNAPSHOTS={BLOCK}u", f"-DBATCH_POSES={POSES}u",
+        f"-DBATCH_VECTORS={int(core.constants_in_flash)}",
+    )  # fmt: skip
+    printed = Printed()
+
+    def on_line(line: str) -> None:
+        printed.take(line)
+        report(f"{target}, batch", len(printed.checksums), blocks)
+
+    with tempfile.TemporaryDirectory() as name:
+        out = Path(name)
+        program = build(exported.directory, core, "batch", out, (*options, *extent))
+        command = core.emulate(program, exported.directory / "ports", out)
+        begin = time.perf_counter()
+        run_to_end(command, _TIMEOUT, on_line)
+        printed.seconds = time.perf_counter() - begin
+    if not printed.ended:
+        raise ToolError(f"{command[0]}: the firmware ended before its last line")
+    return printed
+
+
+def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed) -> Run:
+    """Compare what the batch firmware printed with the reference models.
+
+    Args:
+        exported, target, plan: as for `run_batch`.
+        printed: by the firmware.
+    """
+    blocks = _blocks(exported, plan)
+    angles = BLOCK * 2 * exported.model.segments
+    wrong = sum(
+        printed.checksums.get(seed) != _checksum(exported, seed) for seed in _seeds(plan, blocks)
+    )
+    compared, mismatches = printed.vectors
+    distance = np.linalg.norm(
+        np.array(printed.tips, dtype=np.float64).reshape(-1, 3)
+        - tip_positions(exported, pose_angles(exported, plan.seed)),
+        axis=-1,
+    )
+    return Run(
+        target=target,
+        transport="batch",
+        snapshots=blocks * BLOCK,
+        compared_values=blocks * angles + compared,
+        mismatches=wrong * angles + mismatches,
+        lost_frames=0,
+        rate_hz=blocks * BLOCK / printed.seconds,
+        pose_max_error_m=float(distance.max()),
+        pose_bound_m=exported.pose_bounds.position,
+    )
+
+
+def pose_angles(exported: Exported, seed: int) -> NDArray[np.int64]:
+    """Angles that the firmware draws for its poses, over the full range of their type.
+
+    Returns:
+        Shape (POSES, 2 m), u then v.
+    """
+    model = exported.model
+    drawn = vectors.draws(seed & 0xFFFFFFFF, POSES * 2 * model.segments).astype(np.int64)
+    signed = (drawn ^ 2**31) - 2**31
+    return (signed >> (32 - model.precision)).reshape(POSES, 2 * model.segments)
+
+
+def _blocks(exported: Exported, plan: Plan) -> int:
+    return math.ceil(plan.batch_snapshots(exported.model.segments) / BLOCK)
+
+
+def _seeds(plan: Plan, blocks: int) -> list[int]:
+    return [(plan.seed + block) & 0xFFFFFFFF for block in range(blocks)]
+
+
+def _checksum(exported: Exported, seed: int) -> int:
+    drawn = vectors.batch(exported.model, seed, BLOCK)
+    return vectors.checksum(vectors.estimate(exported.model, drawn))

@@ -1,0 +1,106 @@
+"""Runs firmware in an emulator whose UART is the emulator's standard input and output."""
+
+import os
+import select
+import shutil
+import subprocess
+import tempfile
+import threading
+import tty
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import IO
+
+import can
+
+from ccgen.can.transports.slcan import BlockSlcanBus
+from ccgen.errors import ToolError
+
+_START = 30.0
+"""Seconds until the firmware must have said that its receiver listens."""
+
+
+@contextmanager
+def running_node(command: Sequence[str]) -> Iterator[can.BusABC]:
+    """Run the node's firmware; gives the bus at the other end of its UART.
+
+    However the block is left, the emulator is gone afterwards.
+
+    Args:
+        command: the emulator's.
+
+    Raises:
+        ToolError: the emulator or the firmware does not start, or ended by itself.
+    """
+    with ExitStack() as stack:
+        errors = stack.enter_context(tempfile.TemporaryFile())
+        controlling, terminal = os.openpty()
+        stack.callback(os.close, terminal)
+        try:
+            tty.setraw(terminal)
+            process = _start(command, controlling, controlling, errors)
+        finally:
+            os.close(controlling)
+        stack.callback(_stop, process)
+        if not select.select([terminal], [], [], _START)[0] or not os.read(terminal, 1):
+            _stop(process)
+            raise _ended(command, process, errors)
+        yield stack.enter_context(BlockSlcanBus(os.ttyname(terminal)))
+        if process.poll() is not None:
+            raise _ended(command, process, errors)
+
+
+def run_to_end(command: Sequence[str], timeout: float, on_line: Callable[[str], None]) -> None:
+    """Run firmware that prints lines over its UART and ends by itself.
+
+    Args:
+        command: the emulator's.
+        timeout: seconds after which it is stopped.
+        on_line: called with each line as it comes.
+
+    Raises:
+        ToolError: it does not start, took too long, or ended with a status other than 0.
+    """
+    with tempfile.TemporaryFile() as errors:
+        process = _start(command, subprocess.DEVNULL, subprocess.PIPE, errors)
+        late = threading.Timer(timeout, process.kill)
+        late.start()
+        try:
+            assert process.stdout is not None
+            for line in process.stdout:
+                on_line(line.decode("ascii", errors="replace").rstrip())
+            process.wait()
+        finally:
+            late.cancel()
+            _stop(process)
+        if process.returncode != 0:
+            raise _ended(command, process, errors)
+
+
+def _start(
+    command: Sequence[str], stdin: int, stdout: int, errors: IO[bytes]
+) -> subprocess.Popen[bytes]:
+    # An emulator outlives a parent that was killed, and would idle for ever.
+    guard = ["setpriv", "--pdeathsig", "KILL"] if shutil.which("setpriv") else []
+    try:
+        return subprocess.Popen([*guard, *command], stdin=stdin, stdout=stdout, stderr=errors)
+    except OSError as error:
+        raise ToolError(f"{command[0]}: {error.strerror}") from error
+
+
+def _stop(process: subprocess.Popen[bytes]) -> None:
+    if process.stdout is not None:
+        process.stdout.close()
+    if process.poll() is None:
+        process.kill()
+        process.wait()
+
+
+def _ended(
+    command: Sequence[str], process: subprocess.Popen[bytes], errors: IO[bytes]
+) -> ToolError:
+    errors.seek(0)
+    said = errors.read().decode(errors="replace").strip().splitlines()
+    status = process.returncode
+    how = f"ended with status {status}" if status >= 0 else "did not answer and was stopped"
+    return ToolError(f"{command[0]}: the firmware {how}{': ' + said[-1] if said else ''}")

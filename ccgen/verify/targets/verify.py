@@ -1,0 +1,89 @@
+"""Verification on an emulated microcontroller: over its UART, and in batches on the core itself."""
+
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import can
+
+from ccgen.can.exchange import Answer, Pace, exchange
+from ccgen.verify.compare import compare_exchange
+from ccgen.verify.exported import Exported
+from ccgen.verify.inputs import bus_counts
+from ccgen.verify.plan import Plan, Progress
+from ccgen.verify.run import Run
+from ccgen.verify.targets.batch import compare_batch, run_batch
+from ccgen.verify.targets.cross import WINDOW_US, build, core_named, require_tools
+from ccgen.verify.targets.emulator import running_node
+
+UART_SNAPSHOTS = 1_000
+"""Snapshots over the UART if the plan names no number."""
+
+_PACE = Pace(in_flight=4, timeout=20.0)
+"""A time-out means a lost frame: it must outlast whatever else the host is doing."""
+
+
+def verify_target(
+    exported: Exported, target: str, plan: Plan, report: Progress, optimise: str = "-O2"
+) -> list[Run]:
+    """Verify a folder on an emulated core, over its UART and in batches.
+
+    Args:
+        exported: the folder.
+        target: one of `TARGETS`.
+        plan: extent; `UART_SNAPSHOTS` over the UART unless it names a number.
+        report: of progress.
+        optimise: level of optimisation.
+
+    Raises:
+        InputError: unknown target.
+        ToolError: a tool is missing, or the firmware does not compile or run.
+    """
+    require_tools(target)
+    printed = run_batch(exported, target, plan, report, (optimise,))
+    batch = compare_batch(exported, target, plan, printed)
+    return [verify_uart(exported, target, plan, report, optimise), batch]
+
+
+def verify_uart(
+    exported: Exported, target: str, plan: Plan, report: Progress, optimise: str = "-O2"
+) -> Run:
+    """Send snapshots over the emulated UART; arguments as for `verify_target`."""
+    number = UART_SNAPSHOTS if plan.snapshots is None else plan.snapshots
+    counts = bus_counts(exported, number, plan.seed)
+
+    def on_answer(answer: Answer) -> None:
+        report(f"{target}, UART", answer.index + 1, number)
+
+    with emulated_node(exported, target, optimise) as bus:
+        answers = exchange(bus, exported.codec, counts, _PACE, on_answer)
+    return compare_exchange(exported, target, "uart", counts, answers)
+
+
+@contextmanager
+def emulated_node(
+    exported: Exported, target: str, optimise: str = "-O2", options: Sequence[str] = ()
+) -> Iterator[can.BusABC]:
+    """Compile the node for a core and run it in an emulator; gives the bus that it is on.
+
+    However the block is left, the emulator is gone afterwards.
+
+    Args:
+        exported: the folder.
+        target: one of `TARGETS`.
+        optimise: level of optimisation.
+        options: further flags for the compiler.
+
+    Raises:
+        InputError: unknown target.
+        ToolError: a tool is missing, or the firmware does not compile, start or stay alive.
+    """
+    require_tools(target)
+    core = core_named(target)
+    flags = (optimise, f"-DPORT_WINDOW_US={WINDOW_US}u", *options)
+    with tempfile.TemporaryDirectory() as name:
+        out = Path(name)
+        program = build(exported.directory, core, "node", out, flags)
+        with running_node(core.emulate(program, exported.directory / "ports", out)) as bus:
+            yield bus
