@@ -1,0 +1,47 @@
+/**
+ * \file probe.c
+ * \brief Plain C access to the runtime's state for tests through ctypes.
+ *
+ * Includes the sample joint's source to reach its models.
+ */
+#include "ccgen/slcan.h"
+#include "ccgen/snapshot.h"
+#include "ccgen/tip.h"
+#include "sample.c"
+#include "sample_can.h"
+
+const ccgen_axis16_t *probe_axis(int v);
+size_t probe_size(int which);
+void probe_snapshot(const ccgen_snapshot_t *snapshot, uint32_t counters[9]);
+uint8_t probe_take_faults(ccgen_snapshot_t *snapshot);
+const ccgen_layout_t *probe_sample_layout(void);
+
+const ccgen_axis16_t *probe_axis(const int v) {
+    return (v != 0) ? &v_axis : &u_axis;
+}
+
+size_t probe_size(const int which) {
+    const size_t sizes[] = {sizeof(ccgen_frame_t), sizeof(ccgen_layout_t), sizeof(ccgen_axis16_t),
+                            sizeof(ccgen_snapshot_t), sizeof(ccgen_slcan_t)};
+    return sizes[which];
+}
+
+void probe_snapshot(const ccgen_snapshot_t *const snapshot, uint32_t counters[9]) {
+    const uint32_t values[9] = {snapshot->snapshots, snapshot->corrupted, snapshot->malformed,
+                                snapshot->repeated,  snapshot->reordered, snapshot->lost,
+                                snapshot->late,      snapshot->counter,   snapshot->faults};
+    for (int i = 0; i < 9; ++i) {
+        counters[i] = values[i];
+    }
+}
+
+/** Clears the faults as a status frame does. */
+uint8_t probe_take_faults(ccgen_snapshot_t *const snapshot) {
+    const uint8_t faults = snapshot->faults;
+    snapshot->faults = 0;
+    return faults;
+}
+
+const ccgen_layout_t *probe_sample_layout(void) {
+    return &sample_layout;
+}

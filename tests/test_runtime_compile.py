@@ -1,0 +1,58 @@
+"""The C runtime compiles everywhere it claims to, with every warning an error."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+from runtime_c import C99, COMPILERS, CXX14, GLUE, INCLUDE, PORTS, RUNTIME, SAMPLE, WARNINGS
+
+from ccgen.resources import firmware
+
+LIBRARY = (*RUNTIME, *GLUE, SAMPLE / "sample.c", PORTS / "shared" / "shared.c")
+PROGRAMS = (PORTS / "posix" / "main.c", PORTS / "socketcan" / "main.c")
+HEADERS = tuple(sorted((firmware() / "include" / "ccgen").glob("*.h")))
+
+
+def compile_each(folder: Path, compiler: str, language: tuple[str, ...], *files: Path) -> None:
+    command = [compiler, *language, *WARNINGS, *INCLUDE, "-O2", "-c", *map(str, files)]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("language", [C99, CXX14], ids=["C99", "C++14"])
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_every_source_compiles_without_a_warning(compiler, language, tmp_path):
+    compile_each(tmp_path, compiler, language, *LIBRARY)
+    for program in PROGRAMS:
+        compile_each(tmp_path, compiler, language, program)
+
+
+@pytest.mark.parametrize("language", [C99, CXX14], ids=["C99", "C++14"])
+def test_every_header_compiles_on_its_own_and_twice(language, tmp_path):
+    files = []
+    for header in HEADERS:
+        file = tmp_path / f"only_{header.stem}.c"
+        file.write_text(f'#include "ccgen/{header.name}"\n' * 2 + "extern int nothing;\n")
+        files.append(file)
+    compile_each(tmp_path, COMPILERS[0], language, *files)
+
+
+def test_runtime_needs_no_library_headers():
+    allowed = {"limits.h", "stdbool.h", "stddef.h", "stdint.h", "arm_acle.h"}
+    used = set()
+    for file in (*RUNTIME, *HEADERS):
+        for line in file.read_text().splitlines():
+            if line.startswith("#include <"):
+                used.add(line.split("<")[1].split(">")[0])
+    assert {"stdint.h", "stdbool.h", "stddef.h"} <= used <= allowed
+
+
+def test_runtime_keeps_no_state_of_its_own(tmp_path):
+    """No writable data section in any object of the runtime."""
+    for file in RUNTIME:
+        compile_each(tmp_path, COMPILERS[0], C99, file)
+        listing = subprocess.run(
+            ["nm", str(tmp_path / f"{file.stem}.o")], capture_output=True, text=True, check=True
+        ).stdout
+        writable = [line for line in listing.splitlines() if line.split()[-2] in "BbDdCSs"]
+        assert not writable, f"{file.name}: {writable}"

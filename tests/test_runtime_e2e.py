@@ -1,0 +1,103 @@
+"""End-to-end protection in C against the catalogued check values and `autosar-e2e`."""
+
+import ctypes
+
+import e2e.p01
+import e2e.p05
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from runtime_c import load
+
+P01, P05 = 0, 1
+ARGUMENT, FORMAT, CRC = -1, -3, -4
+CHECK = b"123456789"
+
+data_ids = st.integers(0, 0xFFFF)
+classic = st.binary(min_size=2, max_size=8)
+fd = st.binary(min_size=3, max_size=64)
+
+
+def protect(profile: int, data_id: int, counter: int, data: bytes) -> bytes:
+    buffer = ctypes.create_string_buffer(data, len(data))
+    assert load().ccgen_e2e_protect(profile, data_id, counter, buffer, len(data)) == 0
+    return buffer.raw
+
+
+def check(profile: int, data_id: int, data: bytes) -> int:
+    return load().ccgen_e2e_check(profile, data_id, bytes(data), len(data))
+
+
+def test_crc8_gives_its_check_value():
+    """P01 covers the ID's two bytes, then bytes 1 and on: here the digits 1 to 9."""
+    data_id = CHECK[0] | CHECK[1] << 8
+    protected = protect(P01, data_id, CHECK[2] & 0x0F, b"\0" + CHECK[2:])
+    assert protected[1:] == CHECK[2:]
+    # 0x37 with start and xor 0 is the catalogued 0x4B with start and xor 0xFF: the register of
+    # an all-ones start drowns in the message by linearity.
+    start_of_ones = 0xFF
+    for _ in range(8 * len(CHECK)):
+        start_of_ones = (start_of_ones << 1 ^ (0x1D if start_of_ones & 0x80 else 0)) & 0xFF
+    assert protected[0] ^ start_of_ones ^ 0xFF == 0x4B
+
+
+def test_crc16_gives_its_check_value():
+    """P05 covers bytes 2 and on, then the ID's two bytes."""
+    data_id = CHECK[7] | CHECK[8] << 8
+    protected = protect(P05, data_id, CHECK[0], b"\0\0\0" + CHECK[1:7])
+    assert protected[2:] == CHECK[:7]
+    assert int.from_bytes(protected[:2], "little") == 0x29B1
+
+
+@given(data_ids, st.integers(0, 14), classic)
+def test_p01_equals_autosar_e2e(data_id, counter, data):
+    oracle = bytearray(data)
+    oracle[1] = oracle[1] & 0xF0 | counter
+    e2e.p01.e2e_p01_protect(oracle, data_id, increment_counter=False)
+    assert protect(P01, data_id, counter, data) == oracle
+    assert check(P01, data_id, oracle) == counter
+
+
+@given(data_ids, st.integers(0, 255), fd)
+def test_p05_equals_autosar_e2e(data_id, counter, data):
+    oracle = bytearray(data)
+    oracle[2] = counter
+    e2e.p05.e2e_p05_protect(oracle, data_id, increment_counter=False)
+    assert protect(P05, data_id, counter, data) == oracle
+    assert check(P05, data_id, oracle) == counter
+
+
+@given(st.sampled_from([P01, P05]), data_ids, st.integers(0, 14), fd, st.data())
+def test_every_single_bit_error_is_found(profile, data_id, counter, data, draw):
+    protected = bytearray(protect(profile, data_id, counter, data))
+    bit = draw.draw(st.integers(0, 8 * len(data) - 1))
+    protected[bit // 8] ^= 1 << bit % 8
+    assert check(profile, data_id, protected) == CRC
+
+
+@given(st.sampled_from([P01, P05]), data_ids, data_ids, fd)
+def test_a_frame_under_another_identifier_is_refused(profile, sent, expected, data):
+    result = check(profile, expected, protect(profile, sent, 3, data))
+    assert result == (3 if sent == expected else CRC)
+
+
+def test_p01_counter_15_is_malformed():
+    frame = bytearray(b"\0\x0f\1\2\3\4\5\6")
+    e2e.p01.e2e_p01_protect(frame, 0x300, increment_counter=False)
+    assert frame[1] & 0x0F == 15
+    assert check(P01, 0x300, frame) == FORMAT
+
+
+@pytest.mark.parametrize(("profile", "header", "modulus"), [(P01, 2, 15), (P05, 3, 256)])
+def test_arguments_are_checked_and_nothing_is_written(profile, header, modulus):
+    c = load()
+    assert c.ccgen_e2e_header(profile) == header
+    assert c.ccgen_e2e_counter_modulus(profile) == modulus
+    data = ctypes.create_string_buffer(b"\xaa" * 8, 8)
+    assert c.ccgen_e2e_protect(profile, 1, 0, None, 8) == ARGUMENT
+    assert c.ccgen_e2e_check(profile, 1, None, 8) == ARGUMENT
+    assert c.ccgen_e2e_protect(profile, 1, 0, data, header - 1) == FORMAT
+    assert c.ccgen_e2e_check(profile, 1, data, header - 1) == FORMAT
+    if profile == P01:
+        assert c.ccgen_e2e_protect(profile, 1, 15, data, 8) == ARGUMENT
+    assert data.raw == b"\xaa" * 8

@@ -1,0 +1,360 @@
+"""The estimator's kernels against the integer reference model, bit for bit."""
+
+import ctypes
+import subprocess
+from dataclasses import dataclass
+from functools import cache, partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from runtime_c import ADDRESS, COMPILERS, NO_READING, UNDEFINED, Axis16, compile_c, load
+
+from ccgen.fixedpoint import AxisModel
+
+ARGUMENT, MISSING = -1, -2
+SEGMENTS = 7
+
+
+def make_model(precision: int, sensors: int, spread: int, saturates: bool, seed: int) -> AxisModel:
+    """A model that its proof would accept, with counts of +-spread at most."""
+    random = np.random.default_rng(seed)
+    top = 2 ** (2 * precision - 1) - 2 ** (2 * precision - 4)
+    largest = 2 ** (precision - 1) - 1
+    weight = min(largest, top // (sensors * 2 * spread) - 1)
+    weights = random.integers(-weight, weight + 1, (SEGMENTS, sensors))
+    weights[0], weights[1] = weight, -weight
+    reach = np.abs(weights).sum(axis=1).max() * 2 * spread
+    needed = max(0, int(reach).bit_length() - (precision - 1))
+    shift = max(0, needed - 3) if saturates else needed + 1
+    half = 2**shift // 2
+    bias = random.integers(-(2**precision), 2**precision, SEGMENTS) + half
+    maximum = random.integers(spread // 2, spread + 1, sensors)
+    minimum = -random.integers(spread // 2, spread + 1, sensors)
+    zero = random.integers(minimum // 4, maximum // 4 + 1)
+    return AxisModel(
+        "u", precision, weights, bias, shift, 10, minimum, maximum, zero, saturates, 0, 0.0, 0.0
+    )
+
+
+@dataclass(frozen=True)
+class Case:
+    name: str
+    model: AxisModel
+
+
+def cases() -> list[Case]:
+    """Every number of sensors in both precisions, narrow and wide, with and without saturation."""
+    made = []
+    for precision, spreads in ((16, (9000, 32767)), (32, (9000, 2**30 - 1))):
+        for sensors in range(1, 9):
+            for wide, spread in enumerate(spreads):
+                saturates = (sensors + wide) % 2 == 0
+                name = f"p{precision}_n{sensors}_{spread}_{'clip' if saturates else 'fit'}"
+                made.append(
+                    Case(name, make_model(precision, sensors, spread, saturates, len(made)))
+                )
+    return made
+
+
+CASES = cases()
+
+
+def array(kind: str, name: str, values: NDArray[np.int64]) -> str:
+    suffix = "INT64_C" if kind == "int64_t" else ""
+    listed = ", ".join(f"{suffix}({value})" for value in values.ravel().tolist())
+    return f"static const {kind} {name}[{values.size}] = {{{listed}}};\n"
+
+
+def tables(case: Case) -> str:
+    """C source of a case's constant model `NAME_axis`."""
+    model, name = case.model, case.name
+    kind = f"int{model.precision}_t"
+    text = "".join(
+        array(kind, f"{name}_{what}", getattr(model, what))
+        for what in ("minimum", "maximum", "zero")
+    )
+    flags = f"{str(model.saturates).lower()}"
+    if model.precision == 16:
+        padded = np.pad(model.weights, ((0, 0), (0, model.sensors % 2)))
+        words = []
+        for bias, row in zip(model.bias.tolist(), padded.tolist(), strict=True):
+            words.append(f"CCGEN_BIAS({bias})")
+            words += [f"CCGEN_PAIR({a}, {b})" for a, b in zip(row[::2], row[1::2], strict=True)]
+        text += f"static const uint32_t {name}_rows[] = {{{', '.join(words)}}};\n"
+        flags += f", {str(model.narrow).lower()}"
+        tail = f"{name}_rows"
+    else:
+        text += array("int64_t", f"{name}_bias", model.bias)
+        text += array("int32_t", f"{name}_weights", model.weights)
+        tail = f"{name}_bias, {name}_weights"
+    head = f"{model.segments}, {model.sensors}, {model.shift}, {model.fraction_bits}, {flags}"
+    return (
+        f"{text}static const ccgen_axis{model.precision}_t {name}_axis = {{{head}, {name}_minimum, "
+        f"{name}_maximum, {name}_zero, {tail}}};\n"
+    )
+
+
+def function(case: Case) -> str:
+    """A kernel specialised for the constant model; estimates n snapshots, up to the first error."""
+    precision = case.model.precision
+    return ESTIMATE.format(
+        name=case.name, kind=f"int{precision}_t", axis=f"ccgen_axis{precision}", model="",
+        pointer=f"&{case.name}_axis", n=case.model.sensors, segments=SEGMENTS,
+    )  # fmt: skip
+
+
+ESTIMATE = """
+int {name}({model}const {kind} *zero, const {kind} *counts, int n, {kind} *angles);
+int {name}({model}const {kind} *zero, const {kind} *counts, int n, {kind} *angles) {{
+    int result = 0;
+    for (int k = 0; (result == 0) && (k < n); ++k) {{
+        result = {axis}_estimate({pointer}, zero, counts, angles);
+        counts += {n};
+        angles += {segments};
+    }}
+    return result;
+}}
+"""
+
+SHARED = """
+const {axis}_t *find{precision}(int which);
+const {axis}_t *find{precision}(int which) {{
+    static const {axis}_t *const models[] = {{{models}}};
+    return models[which];
+}}
+int missing{precision}(const {axis}_t *model, const {kind} *counts);
+int missing{precision}(const {axis}_t *model, const {kind} *counts) {{
+    return {axis}_missing(model, counts);
+}}
+"""
+
+
+def shared_functions(precision: int) -> str:
+    """Functions that learn the model at run time."""
+    kind, axis = f"int{precision}_t", f"ccgen_axis{precision}"
+    names = [case.name for case in CASES if case.model.precision == precision]
+    models = ", ".join(f"&{name}_axis" for name in names)
+    late = ESTIMATE.format(
+        name=f"late{precision}", kind=kind, axis=axis, model=f"const {axis}_t *model, ",
+        pointer="model", n="model->sensors", segments="model->segments",
+    )  # fmt: skip
+    return SHARED.format(axis=axis, kind=kind, precision=precision, models=models) + late
+
+
+def source_of(some: list[Case]) -> str:
+    includes = '#include "ccgen/estimator16.h"\n#include "ccgen/estimator32.h"\n'
+    return includes + "".join(tables(case) + function(case) for case in some)
+
+
+@cache
+def kernels(compiler: str, flags: tuple[str, ...]) -> ctypes.CDLL:
+    """All cases as one library."""
+    with TemporaryDirectory() as folder:
+        source = Path(folder) / "kernels.c"
+        source.write_text(source_of(CASES) + shared_functions(16) + shared_functions(32))
+        library = ctypes.CDLL(str(compile_c([source], ("-shared", "-fPIC", *flags), compiler)))
+    library.find16.restype = library.find32.restype = ctypes.c_void_p
+    return library
+
+
+def model_of(library: ctypes.CDLL, case: Case) -> ctypes.c_void_p:
+    """The C model of a case."""
+    precision = case.model.precision
+    same = [other for other in CASES if other.model.precision == precision]
+    return ctypes.c_void_p(getattr(library, f"find{precision}")(same.index(case)))
+
+
+def readings(model: AxisModel, n: int) -> NDArray[np.int64]:
+    """The range's corners first, then counts at random."""
+    random = np.random.default_rng(1)
+    sensors = model.sensors
+    picks = np.arange(2**sensors)[:, None] >> np.arange(sensors) & 1
+    corners = np.where(picks == 1, model.maximum, model.minimum)
+    inside = random.integers(model.minimum, model.maximum + 1, (n, sensors))
+    return np.concatenate([corners, inside])
+
+
+def run(function, model: AxisModel, zero: NDArray[np.int64], counts: NDArray[np.int64]):
+    kind = np.dtype(f"int{model.precision}")
+    counts = np.atleast_2d(counts).astype(kind)
+    zero = zero.astype(kind)
+    angles = np.zeros((len(counts), model.segments), kind)
+    result = function(
+        ctypes.c_void_p(zero.ctypes.data),
+        ctypes.c_void_p(counts.ctypes.data),
+        len(counts),
+        ctypes.c_void_p(angles.ctypes.data),
+    )
+    return result, angles
+
+
+BUILDS = [
+    *((COMPILERS[0], (level,)) for level in ("-O0", "-O2", "-O3")),
+    *((compiler, ("-O2",)) for compiler in COMPILERS[1:]),
+    (COMPILERS[0], ("-O0", *UNDEFINED)),
+]
+
+
+@pytest.mark.parametrize("build", BUILDS, ids=lambda build: " ".join((build[0], *build[1][:2])))
+def test_angles_equal_the_reference_model_at_corners_and_at_random(build):
+    library = kernels(*build)
+    for case in CASES:
+        model = case.model
+        constant = getattr(library, case.name)
+        late = partial(getattr(library, f"late{model.precision}"), model_of(library, case))
+        counts = readings(model, 300)
+        for zero in (model.zero, model.minimum, model.maximum):
+            expected = model.estimate(counts, zero)
+            for function in (constant, late):
+                result, angles = run(function, model, zero, counts)
+                assert result == 0
+                np.testing.assert_array_equal(angles, expected, case.name)
+
+
+def test_cases_cover_narrow_and_wide_and_do_saturate():
+    assert {case.model.narrow for case in CASES if case.model.precision == 16} == {True, False}
+    for case in CASES:
+        angles = case.model.estimate(readings(case.model, 100), case.model.minimum)
+        clipped = bool((np.abs(angles) == case.model.angle_limit).any())
+        assert clipped == case.model.saturates, case.name
+
+
+def test_counts_out_of_range_are_missing_and_nothing_is_written():
+    library = kernels(COMPILERS[0], ("-O2",))
+    for case in CASES:
+        model = case.model
+        for sensor in range(model.sensors):
+            lowest = -(2 ** (model.precision - 1))
+            for outside in (model.minimum[sensor] - 1, model.maximum[sensor] + 1, lowest):
+                counts = model.zero.copy()
+                counts[sensor] = np.clip(outside, lowest, -lowest - 1)
+                if not model.missing(counts).any():
+                    continue  # the type ends where the range ends
+                result, angles = run(getattr(library, case.name), model, model.zero, counts)
+                assert (result, angles.any()) == (MISSING, False)
+                held = counts.astype(f"int{model.precision}")
+                missing = getattr(library, f"missing{model.precision}")
+                held_at = ctypes.c_void_p(held.ctypes.data)
+                assert missing(model_of(library, case), held_at) == 1 << sensor
+
+
+def test_null_pointers_and_impossible_models_are_refused():
+    library = kernels(COMPILERS[0], ("-O2",))
+    some = (ctypes.c_int32 * 64)()
+    for case in CASES:
+        for zero, counts, angles in ((None, some, some), (some, None, some), (some, some, None)):
+            assert getattr(library, case.name)(zero, counts, 1, angles) == ARGUMENT
+        assert getattr(library, f"missing{case.model.precision}")(None, some) == ARGUMENT
+    for field, value in (("sensors", 0), ("sensors", 9), ("segments", 0), ("shift", 32)):
+        broken = Axis16(segments=1, sensors=1, shift=0)
+        setattr(broken, field, value)
+        assert library.late16(ctypes.byref(broken), some, some, 1, some) == ARGUMENT
+        assert library.missing16(ctypes.byref(broken), some) == ARGUMENT
+    assert not any(some)
+
+
+def test_a_zero_beyond_its_range_is_never_undefined_behaviour():
+    """A program that forgets to initialise the state gets wrong angles, not a trap."""
+    library = kernels(COMPILERS[0], ("-O0", *UNDEFINED))
+    for case in CASES:
+        model = case.model
+        for junk in (NO_READING >> (32 - model.precision), 2 ** (model.precision - 1) - 1):
+            zero = np.full(model.sensors, junk)
+            for counts in (model.minimum, model.maximum):
+                assert run(getattr(library, case.name), model, zero, counts)[0] == 0
+
+
+def sample_model(v: int) -> AxisModel:
+    """The sample joint's model, read back from its C tables."""
+    axis = load().probe_axis(v).contents
+    segments, sensors = axis.segments, axis.sensors
+    width = 1 + (sensors + 1) // 2
+    words = np.array(axis.rows[: segments * width], np.uint32).reshape(segments, width)
+    halves = np.stack([words[:, 1:] & 0xFFFF, words[:, 1:] >> 16], axis=-1).reshape(segments, -1)
+    weights = halves.astype(np.uint16).view(np.int16).astype(np.int64)[:, :sensors]
+    bias = words[:, 0].view(np.int32).astype(np.int64)
+    ranges = [
+        np.array(values[:sensors], np.int64) for values in (axis.minimum, axis.maximum, axis.zero)
+    ]
+    return AxisModel(
+        "uv"[v], 16, weights, bias, axis.shift, axis.fraction_bits, *ranges, axis.saturates, 0, 0, 0
+    )
+
+
+def test_batches_of_the_shared_port_equal_the_reference_model():
+    c = load()
+    u, v = sample_model(0), sample_model(1)
+    counts = np.concatenate([readings(u, 500), readings(v, 500)], axis=1).astype(np.int16)
+    angles = np.zeros((len(counts), 24), np.int16)
+    results = np.full(len(counts), 99, np.int8)
+    pointer = ctypes.c_void_p
+    counts[3, 1] = -32768
+    status = c.ccgen_batch_estimate(
+        pointer(counts.ctypes.data), None, ctypes.c_size_t(len(counts)),
+        pointer(angles.ctypes.data), pointer(results.ctypes.data),
+    )  # fmt: skip
+    assert status == 0
+    good = np.arange(len(counts)) != 3
+    assert results[3] == MISSING
+    assert not results[good].any()
+    assert not angles[3].any()
+    expected = [u.estimate(counts[good, :3]), v.estimate(counts[good, 3:])]
+    np.testing.assert_array_equal(angles[good], np.concatenate(expected, axis=1))
+
+
+def test_batches_take_zero_offsets_and_refuse_one_out_of_range():
+    c = load()
+    u, v = sample_model(0), sample_model(1)
+    zero = np.array([100, -200, 300, 5, 6, 7], np.int16)
+    counts = np.array([[1000, 2000, -3000, 400, 500, -600]], np.int16)
+    angles, results = np.zeros((1, 24), np.int16), np.zeros(1, np.int8)
+
+    def call() -> int:
+        held = (counts, zero, angles, results)
+        counts_at, zero_at, angles_at, results_at = (ctypes.c_void_p(a.ctypes.data) for a in held)
+        return c.ccgen_batch_estimate(counts_at, zero_at, ctypes.c_size_t(1), angles_at, results_at)
+
+    assert call() == 0
+    expected = [u.estimate(counts[:, :3], zero[:3]), v.estimate(counts[:, 3:], zero[3:])]
+    np.testing.assert_array_equal(angles, np.concatenate(expected, axis=1))
+    zero[0] = 20000
+    angles[:] = 0
+    assert call() == MISSING
+    assert not angles.any()
+
+
+CALL = """
+    {{
+        {kind} *counts = ({kind} *)malloc({n} * sizeof({kind}));
+        {kind} *angles = ({kind} *)malloc({segments} * sizeof({kind}));
+        for (int j = 0; j < {n}; ++j) {{
+            counts[j] = {name}_maximum[j];
+        }}
+        failed |= {name}({name}_zero, counts, 1, angles);
+        free(counts);
+        free(angles);
+    }}
+"""
+
+
+def test_kernels_stay_within_their_arrays(tmp_path):
+    """Tables and buffers of exact size under AddressSanitizer."""
+    some = CASES[::3]
+    calls = "".join(
+        CALL.format(
+            kind=f"int{case.model.precision}_t", n=case.model.sensors, segments=SEGMENTS,
+            name=case.name,
+        )
+        for case in some
+    )  # fmt: skip
+    source = tmp_path / "bounds.c"
+    source.write_text(
+        f"#include <stdlib.h>\n{source_of(some)}"
+        f"int main(void) {{\n    int failed = 0;\n{calls}    return failed;\n}}\n"
+    )
+    program = compile_c([source], ("-O0", *ADDRESS), target=tmp_path / "bounds")
+    done = subprocess.run([program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

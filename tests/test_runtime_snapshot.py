@@ -1,0 +1,476 @@
+"""Snapshots of counts: coherent whatever happens to the frames, and every mishap counted."""
+
+import ctypes
+from dataclasses import dataclass, field
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from runtime_c import NO_READING, Frame, Layout, frame, load
+
+from ccgen.can.e2e import P01, P05, Profile
+
+CRC, FORMAT, REPEATED, REORDERED, LOST, LATE, MISSING, STALE = (1 << bit for bit in range(8))
+CYCLE = 10_000
+WINDOW = 4_000
+NAMES = ("snapshots", "corrupted", "malformed", "repeated", "reordered", "lost", "late")
+
+CLASSIC = Layout(
+    base_id=0x300, extended=False, fd=False, sensors_u=3, sensors_v=4, segments=12,
+    count_bytes=2, angle_bytes=2, cycle_us=CYCLE, window_us=WINDOW,
+)  # fmt: skip
+FD = Layout(
+    base_id=0x18000, extended=True, fd=True, sensors_u=8, sensors_v=8, segments=48,
+    count_bytes=4, angle_bytes=4, cycle_us=CYCLE, window_us=WINDOW,
+)  # fmt: skip
+
+
+class Snapshot:
+    """The C state, fed with frames."""
+
+    def __init__(self, layout: Layout = CLASSIC) -> None:
+        self.c = load()
+        self.layout = layout
+        self.state = ctypes.create_string_buffer(self.c.probe_size(3))
+        assert self.c.ccgen_snapshot_init(ctypes.byref(layout), self.state) == 0
+
+    def receive(self, sent: Frame, now: int) -> int:
+        return self.c.ccgen_snapshot_receive(
+            ctypes.byref(self.layout), self.state, ctypes.byref(sent), ctypes.c_uint32(now)
+        )
+
+    def tick(self, now: int) -> None:
+        c_now = ctypes.c_uint32(now)
+        assert self.c.ccgen_snapshot_tick(ctypes.byref(self.layout), self.state, c_now) == 0
+
+    def age(self, now: int) -> int:
+        return self.c.ccgen_snapshot_age_ms(self.state, ctypes.c_uint32(now))
+
+    @property
+    def counts(self) -> list[int]:
+        size = self.layout.sensors_u + self.layout.sensors_v
+        return list((ctypes.c_int32 * size).from_buffer(self.state))
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """What is not zero."""
+        return {name: value for name, value in zip(NAMES, self._numbers(), strict=False) if value}
+
+    @property
+    def counter(self) -> int:
+        return self._numbers()[7]
+
+    def faults(self) -> int:
+        """The accumulated faults, which this clears."""
+        return self.c.probe_take_faults(self.state)
+
+    def _numbers(self) -> list[int]:
+        numbers = (ctypes.c_uint32 * 9)()
+        self.c.probe_snapshot(self.state, numbers)
+        return list(numbers)
+
+
+def profile_of(layout: Layout) -> Profile:
+    return P05 if layout.fd else P01
+
+
+def signals(layout: Layout) -> int:
+    """Counts in a frame."""
+    return 61 // layout.count_bytes if layout.fd else 6 // layout.count_bytes
+
+
+def frames_of(layout: Layout, counter: int, counts: list[int]) -> list[Frame]:
+    """The LENGTHS frames of one snapshot, as a sender makes them."""
+    share, length = signals(layout), 64 if layout.fd else 8
+    made = []
+    for slot, first in enumerate(range(0, len(counts), share)):
+        body = b"".join(
+            count.to_bytes(layout.count_bytes, "little", signed=True)
+            for count in counts[first : first + share]
+        )
+        header = bytes(3 if layout.fd else 2)
+        id_ = layout.base_id + slot
+        data = profile_of(layout).protect(
+            id_ & 0xFFFF, counter, (header + body).ljust(length, b"\0")
+        )
+        made.append(frame(id_, data, fd=layout.fd, extended=layout.extended))
+    return made
+
+
+def numbered(k: int) -> list[int]:
+    """Counts that tell which snapshot they belong to, in every sensor."""
+    return [10 * k + j for j in range(7)]
+
+
+def send(snapshot: Snapshot, k: int, now: int, slots: tuple[int, ...] = (0, 1, 2)) -> list[int]:
+    """Some frames of snapshot number k, at once."""
+    frames = frames_of(CLASSIC, k % 15, numbered(k))
+    return [snapshot.receive(frames[slot], now) for slot in slots]
+
+
+def test_complete_snapshots_come_out_whole():
+    snapshot = Snapshot()
+    for k in range(40):  # the counter wraps twice
+        assert send(snapshot, k, k * CYCLE) == [0, 0, 1]
+        assert snapshot.counts == numbered(k)
+        assert snapshot.counter == k % 15
+    assert snapshot.counters == {"snapshots": 40}
+    assert snapshot.faults() == 0
+
+
+def test_fd_counter_wraps_at_256():
+    snapshot = Snapshot(FD)
+    for k in range(520):
+        counts = [k * 1000 - 250_000 + j for j in range(16)]
+        results = [snapshot.receive(f, k * CYCLE) for f in frames_of(FD, k % 256, counts)]
+        assert results == [0, 1]
+        assert snapshot.counts == counts
+    assert snapshot.counters == {"snapshots": 520}
+
+
+def test_frames_of_a_snapshot_may_come_in_any_order():
+    snapshot = Snapshot()
+    assert send(snapshot, 0, 0, (2, 0, 1)) == [0, 0, 1]
+    assert snapshot.counts == numbered(0)
+
+
+def test_nothing_is_published_before_the_set_is_complete():
+    snapshot = Snapshot()
+    send(snapshot, 0, 0)
+    send(snapshot, 1, CYCLE, (0, 2))
+    assert snapshot.counts == numbered(0)
+    assert snapshot.counter == 0
+
+
+def test_a_missing_frame_loses_its_snapshot_and_no_other():
+    snapshot = Snapshot()
+    send(snapshot, 0, 0)
+    assert send(snapshot, 1, CYCLE, (0, 2)) == [0, 0]
+    assert send(snapshot, 2, 2 * CYCLE) == [0, 0, 1]
+    assert snapshot.counts == numbered(2)
+    assert snapshot.counters == {"snapshots": 2, "lost": 1}
+    assert snapshot.faults() == LOST
+
+
+def test_skipped_counters_are_lost_each():
+    snapshot = Snapshot()
+    send(snapshot, 0, 0)
+    send(snapshot, 1, CYCLE, (0,))
+    assert send(snapshot, 5, 2 * CYCLE) == [0, 0, 1]
+    assert snapshot.counters == {"snapshots": 2, "lost": 4}
+    assert snapshot.faults() == LOST
+
+
+def test_repeated_frames_are_counted_and_change_nothing():
+    snapshot = Snapshot()
+    send(snapshot, 0, 0)
+    first, second, third = frames_of(CLASSIC, 1, numbered(1))
+    changed = frames_of(CLASSIC, 1, numbered(9))[0]
+    assert snapshot.receive(first, CYCLE) == 0
+    assert snapshot.receive(changed, CYCLE) == 0
+    assert snapshot.receive(second, CYCLE) == 0
+    assert snapshot.receive(third, CYCLE) == 1
+    assert snapshot.counts == numbered(1)
+    assert snapshot.receive(changed, CYCLE) == 0
+    assert snapshot.counts == numbered(1)
+    assert snapshot.counters == {"snapshots": 2, "repeated": 2}
+    assert snapshot.faults() == REPEATED
+
+
+def test_frames_from_the_past_are_ignored_even_amid_a_new_snapshot():
+    snapshot = Snapshot()
+    send(snapshot, 3, 0)
+    send(snapshot, 4, CYCLE, (0,))
+    assert send(snapshot, 3, CYCLE, (1,)) == [0]
+    assert send(snapshot, 4, CYCLE, (1, 2)) == [0, 1]
+    assert snapshot.counts == numbered(4)
+    assert snapshot.counters == {"snapshots": 2, "reordered": 1}
+    assert snapshot.faults() == REORDERED
+
+
+@pytest.mark.parametrize(("ahead", "newer"), [(1, True), (7, True), (8, False), (14, False)])
+def test_half_the_counters_are_the_future_and_half_the_past(ahead, newer):
+    snapshot = Snapshot()
+    send(snapshot, 5, 0)
+    assert send(snapshot, 5 + ahead, CYCLE)[-1] == int(newer)
+    assert snapshot.counters.get("reordered", 0) == (0 if newer else 3)
+    assert snapshot.counters.get("lost", 0) == (ahead - 1 if newer else 0)
+
+
+def test_corrupted_frames_are_counted_and_ignored():
+    snapshot = Snapshot()
+    frames = frames_of(CLASSIC, 0, numbered(0))
+    for byte in range(8):
+        for bit in range(8):
+            spoilt = frame(frames[0].id, frames[0].payload())
+            spoilt.data[byte] ^= 1 << bit
+            assert snapshot.receive(spoilt, 0) == 0
+    assert [snapshot.receive(f, 0) for f in frames] == [0, 0, 1]
+    assert snapshot.counts == numbered(0)
+    assert snapshot.counters == {"snapshots": 1, "corrupted": 64}
+    assert snapshot.faults() == CRC
+
+
+def test_frames_swapped_between_identifiers_are_corrupted():
+    """The identifier enters the check value, so slots cannot be exchanged."""
+    snapshot = Snapshot()
+    first, second, _ = frames_of(CLASSIC, 0, numbered(0))
+    first.id, second.id = second.id, first.id
+    assert (snapshot.receive(first, 0), snapshot.receive(second, 0)) == (0, 0)
+    assert snapshot.counters == {"corrupted": 2}
+
+
+def test_frames_of_the_wrong_kind_are_malformed():
+    snapshot = Snapshot()
+    good = frames_of(CLASSIC, 0, numbered(0))[0]
+    remote = frame(good.id, good.payload(), remote=True)
+    as_fd = frame(good.id, good.payload(), fd=True)
+    short = frame(good.id, good.payload()[:7])
+    empty = frame(good.id, b"")
+    impossible = frame(good.id, good.payload())
+    impossible.data[1] |= 0x0F
+    impossible.data[0] = good_crc_of(impossible)
+    for sent in (remote, as_fd, short, empty, impossible):
+        assert snapshot.receive(sent, 0) == 0
+    assert snapshot.counters == {"malformed": 5}
+    assert snapshot.faults() == FORMAT
+
+
+def good_crc_of(sent: Frame) -> int:
+    from ccgen.can.e2e import crc8_j1850
+
+    covered = sent.id.to_bytes(2, "little") + sent.payload()[1:]
+    return crc8_j1850(covered, start=0, xor=0)
+
+
+def test_other_frames_of_the_bus_are_none_of_our_business():
+    snapshot = Snapshot()
+    good = frames_of(CLASSIC, 0, numbered(0))[0]
+    extended = frame(good.id, good.payload(), extended=True)
+    assert snapshot.receive(extended, 0) == 0
+    for id_ in (0, 0x2FF, 0x303, 0x30C, 0x7FF):
+        assert snapshot.receive(frame(id_, b"\xff" * 8), 0) == 0
+    assert snapshot.counters == {}
+    assert snapshot.faults() == 0
+
+
+def test_a_snapshot_that_takes_longer_than_the_window_is_dropped_whole():
+    snapshot = Snapshot()
+    send(snapshot, 0, 0)
+    send(snapshot, 1, CYCLE, (0,))
+    assert send(snapshot, 1, CYCLE + WINDOW + 1, (1, 2)) == [0, 0]
+    assert snapshot.counts == numbered(0)
+    assert snapshot.counters == {"snapshots": 1, "late": 1}
+    assert snapshot.faults() == LATE
+    assert send(snapshot, 2, 2 * CYCLE) == [0, 0, 1]
+    assert snapshot.counters == {"snapshots": 2, "late": 1}
+
+
+def test_the_window_includes_its_end_and_can_be_widened():
+    snapshot = Snapshot()
+    send(snapshot, 0, 0, (0, 1))
+    assert send(snapshot, 0, WINDOW, (2,)) == [1]
+    assert snapshot.c.ccgen_snapshot_set_window(snapshot.state, 500_000) == 0
+    send(snapshot, 1, CYCLE, (0, 1))
+    assert send(snapshot, 1, CYCLE + 500_000, (2,)) == [1]
+    assert snapshot.counters == {"snapshots": 2}
+
+
+def test_a_sender_that_restarts_is_heard_after_three_cycles_of_silence():
+    snapshot = Snapshot()
+    send(snapshot, 9, 0)
+    assert send(snapshot, 2, 3 * CYCLE) == [0, 0, 0]  # still within: from the past
+    assert send(snapshot, 2, 3 * CYCLE + 1) == [0, 0, 1]
+    assert snapshot.counts == numbered(2)
+    assert snapshot.counters == {"snapshots": 2, "reordered": 3}
+    assert snapshot.faults() == REORDERED | STALE
+
+
+def test_frames_from_the_past_do_not_keep_a_restarted_sender_out():
+    """It goes on sending at its cycle, and is taken up once three cycles have passed."""
+    snapshot = Snapshot()
+    send(snapshot, 5, 0)
+    results = [send(snapshot, k, (k + 1) * CYCLE)[-1] for k in range(6)]
+    assert results == [0, 0, 0, 1, 1, 1]
+
+
+def test_a_sender_that_repeats_one_snapshot_for_ever_is_not_believed():
+    snapshot = Snapshot()
+    send(snapshot, 0, 0)
+    for cycle in range(1, 20):
+        assert send(snapshot, 0, cycle * CYCLE) == [0, 0, 0]
+    assert snapshot.counters == {"snapshots": 1, "repeated": 57}
+    assert snapshot.faults() == REPEATED | STALE
+
+
+def test_an_incomplete_snapshot_before_silence_is_lost():
+    snapshot = Snapshot()
+    send(snapshot, 0, 0)
+    send(snapshot, 1, CYCLE, (0, 1))
+    snapshot.tick(5 * CYCLE)
+    assert snapshot.counters == {"snapshots": 1, "lost": 1}
+    assert send(snapshot, 1, 5 * CYCLE, (2,)) == [0]  # must not complete the forgotten one
+    assert snapshot.counts == numbered(0)
+
+
+def test_silence_is_stale_until_a_snapshot_is_complete():
+    snapshot = Snapshot()
+    snapshot.tick(7)
+    snapshot.tick(7 + 3 * CYCLE)
+    assert snapshot.faults() == 0
+    snapshot.tick(8 + 3 * CYCLE)
+    assert snapshot.faults() == STALE
+    snapshot.tick(9 + 3 * CYCLE)
+    assert snapshot.faults() == STALE
+    send(snapshot, 0, 10 + 3 * CYCLE)
+    snapshot.faults()
+    snapshot.tick(11 + 3 * CYCLE)
+    assert snapshot.faults() == 0
+
+
+def test_age_counts_milliseconds_up_to_255_and_stays_there():
+    snapshot = Snapshot()
+    assert snapshot.age(0) == 255
+    start = 2**32 - 1500  # the clock wraps on the way
+    send(snapshot, 0, start)
+    for ms in (0, 1, 2, 100, 254):
+        snapshot.tick(start + 1000 * ms)
+        assert snapshot.age(start + 1000 * ms) == ms
+    for ms in (255, 256, 10_000):
+        snapshot.tick(start + 1000 * ms)
+        assert snapshot.age(start + 1000 * ms) == 255
+    snapshot.tick(start + 2**32)
+    assert snapshot.age(start + 2**32 + 1000) == 255
+
+
+@pytest.mark.parametrize("width", [2, 3, 4])
+def test_counts_of_every_width_keep_their_sign_and_no_reading(width):
+    top = 2 ** (8 * width - 1)
+    layout = Layout.from_buffer_copy(CLASSIC)
+    layout.count_bytes = width
+    snapshot = Snapshot(layout)
+    counts = [0, 1, -1, top - 1, 1 - top, -top, 12345]
+    results = [snapshot.receive(f, 0) for f in frames_of(layout, 0, counts)]
+    assert results[-1] == 1
+    assert snapshot.counts == [0, 1, -1, top - 1, 1 - top, NO_READING, 12345]
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("sensors_u", 0), ("sensors_v", 9), ("segments", 0), ("segments", 65), ("count_bytes", 1),
+        ("count_bytes", 5), ("angle_bytes", 3), ("cycle_us", 0), ("window_us", 0),
+        ("cycle_us", 300_000_001), ("base_id", 0x7FF),
+    ],
+)  # fmt: skip
+def test_impossible_layouts_are_refused(name, value):
+    layout = Layout.from_buffer_copy(CLASSIC)
+    setattr(layout, name, value)
+    state = ctypes.create_string_buffer(load().probe_size(3))
+    assert load().ccgen_snapshot_init(ctypes.byref(layout), state) == -1
+    assert not load().ccgen_layout_valid(ctypes.byref(layout))
+    assert state.raw == bytes(len(state))
+
+
+def test_null_pointers_are_refused():
+    snapshot, c = Snapshot(), load()
+    layout, sent = ctypes.byref(CLASSIC), ctypes.byref(frame(0x300, b""))
+    assert c.ccgen_snapshot_init(layout, None) == -1
+    assert c.ccgen_snapshot_init(None, snapshot.state) == -1
+    assert c.ccgen_snapshot_receive(None, snapshot.state, sent, 0) == -1
+    assert c.ccgen_snapshot_receive(layout, None, sent, 0) == -1
+    assert c.ccgen_snapshot_receive(layout, snapshot.state, None, 0) == -1
+    assert c.ccgen_snapshot_tick(layout, None, 0) == -1
+    assert c.ccgen_snapshot_set_window(None, 5) == -1
+    assert c.ccgen_snapshot_set_window(snapshot.state, 0) == -1
+
+
+@dataclass
+class Model:
+    """The rules of snapshot.h, said again without bits, bytes or C."""
+
+    slots: int = 3
+    modulus: int = 15
+    newest: int | None = None
+    pending: dict[int, int] | None = None
+    complete: bool = False
+    first: int = 0
+    heard: int = 0
+    published: list[int] = field(default_factory=list)
+    counters: dict[str, int] = field(default_factory=dict)
+
+    def count(self, name: str, by: int = 1) -> None:
+        if by:
+            self.counters[name] = self.counters.get(name, 0) + by
+
+    def notice_silence(self, now: int) -> None:
+        if self.newest is not None and now - self.heard > 3 * CYCLE:
+            self.count("lost", int(self.pending is not None))
+            self.newest, self.pending = None, None
+
+    def receive(self, k: int, slot: int, now: int) -> bool:
+        """A sound frame of snapshot number k; whether it completes one."""
+        counter = k % self.modulus
+        self.notice_silence(now)
+        ahead = 0 if self.newest is None else (counter - self.newest) % self.modulus
+        if ahead > self.modulus // 2:
+            self.count("reordered")
+            return False
+        self.heard = now
+        if self.newest is None or ahead > 0:
+            if self.newest is not None:
+                self.count("lost", ahead - 1 + int(self.pending is not None))
+            self.newest, self.pending, self.complete, self.first = counter, {}, False, now
+        return self.store(k, slot, now)
+
+    def store(self, k: int, slot: int, now: int) -> bool:
+        if self.pending is None:
+            self.count("repeated", int(self.complete))
+        elif now - self.first > WINDOW:
+            self.count("late")
+            self.pending = None
+        elif slot in self.pending:
+            self.count("repeated")
+        else:
+            self.pending[slot] = k
+            if len(self.pending) == self.slots:
+                self.count("snapshots")
+                self.published = [self.pending[i] for i in range(self.slots)]
+                self.pending, self.complete = None, True
+                return True
+        return False
+
+
+jitter = st.sampled_from([0, 1, 100, 900, 1500, WINDOW, WINDOW + 1, CYCLE, 3 * CYCLE + 1])
+events = st.tuples(
+    st.sampled_from(["next", "next", "next", "skip", "back", "restart", "corrupt"]),
+    st.lists(st.integers(0, 2), min_size=0, max_size=5),
+    st.booleans(),
+    jitter,
+    jitter,
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(events, max_size=25), st.integers(0, 2**32 - 1))
+def test_any_sequence_of_mishaps_follows_the_rules_and_never_mixes(sequence, start):
+    snapshot, model = Snapshot(), Model()
+    k, now = 100, start
+    for kind, extra, whole, pause, spread in sequence:
+        k += {"skip": 3, "back": -2, "restart": 40}.get(kind, 1)
+        now += pause
+        for slot in [*extra, *((0, 1, 2) if whole else ())]:
+            now += spread // 3
+            sent = frames_of(CLASSIC, k % 15, numbered(k))[slot]
+            if kind == "corrupt":
+                sent.data[3] ^= 0x10
+                model.notice_silence(now)
+                model.count("corrupted")
+                expected = False
+            else:
+                expected = model.receive(k, slot, now)
+            assert snapshot.receive(sent, now) == int(expected)
+            assert snapshot.counters == model.counters
+            if expected:
+                assert len(set(model.published)) == 1, "the rules themselves mix snapshots"
+                assert snapshot.counts == numbered(k)
