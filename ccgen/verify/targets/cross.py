@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ccgen.errors import InputError, ToolError
-from ccgen.verify.build import WARNINGS, sources
+from ccgen.verify.build import WARNINGS, compiler, sources
 
 LEVELS = ("-O0", "-Os", "-O2", "-O3")
 """Levels of optimisation at which angles are the same, bit for bit."""
@@ -84,6 +84,53 @@ def _cortex_m(name: str, machine: str, board: str, *core: str) -> Core:
     )
 
 
+def _riscv32() -> Core:
+    compiler = "riscv64-unknown-elf-gcc"
+    return Core(
+        name="riscv32",
+        compile=(
+            compiler, "-march=rv32imac", "-mabi=ilp32", "-mcmodel=medany", "--specs=picolibc.specs",
+        ),
+        link=("-nostartfiles", "-T{ports}/riscv_virt/virt.ld"),
+        board=("riscv_virt/startup.S", "riscv_virt/board_virt.c"),
+        emulate=_qemu("qemu-system-riscv32", "-M", "virt", "-bios", "none"),
+        tools=(
+            Tool("gcc-riscv64-unknown-elf", (compiler,)),
+            Tool("picolibc-riscv64-unknown-elf", (compiler,), "picolibc.specs"),
+            Tool("qemu-system-misc", ("qemu-system-riscv32",)),
+        ),
+    )  # fmt: skip
+
+
+def _avr() -> Core:
+    mcu, hertz = "atmega1284p", 16_000_000
+    return Core(
+        name="avr",
+        compile=("avr-gcc", f"-mmcu={mcu}"),
+        link=("{ports}/avr/ram.ld",),
+        board=(f"avr/board_{mcu}.c",),
+        emulate=functools.partial(_simavr, mcu, hertz),
+        tools=(
+            Tool("gcc-avr", ("avr-gcc",)),
+            Tool("avr-libc", ("avr-gcc", f"-mmcu={mcu}"), f"crt{mcu}.o"),
+            Tool("gcc", ("cc",)),
+            Tool("libsimavr-dev", ("cc",), "libsimavr.so"),
+        ),
+        constants_in_flash=False,
+    )
+
+
+def _simavr(mcu: str, hertz: int, program: Path, ports: Path, out: Path) -> list[str]:
+    """Compile the host's program around simavr, which the folder brings along."""
+    emulator = out / "simavr_uart"
+    source = ports / "avr" / "host" / "simavr_uart.c"
+    command = [*compiler(), "-O2", str(source), "-lsimavr", "-o", str(emulator)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise ToolError(f"{source}: {command[0]}: {_first_error(done.stderr)}")
+    return [str(emulator), mcu, str(hertz), str(program)]
+
+
 CORES = {
     core.name: core
     for core in (
@@ -97,6 +144,8 @@ CORES = {
             "cortex-m7", "mps2-an500", "board_mps2",
             "-mcpu=cortex-m7", "-mfloat-abi=hard", "-mfpu=fpv5-sp-d16",
         ),
+        _riscv32(),
+        _avr(),
     )
 }  # fmt: skip
 
