@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ccgen.cli.output import print_json, results
-from ccgen.errors import CheckError
+from ccgen.errors import CheckError, InputError
 
 if TYPE_CHECKING:
     import can
@@ -28,8 +28,12 @@ class Source(StrEnum):
 
 
 def bridge(
-    directory: Annotated[
-        Path, typer.Argument(metavar="DIR", help="A folder that `ccgen export` wrote.")
+    path: Annotated[
+        Path,
+        typer.Argument(
+            metavar="DIR|JOINT",
+            help="A folder that `ccgen export` wrote, or a joint's file to export for this once.",
+        ),
     ],
     interface: Annotated[
         str, typer.Option("--interface", help="python-can's name of the bus.")
@@ -40,6 +44,14 @@ def bridge(
             "--channel",
             help="python-can's channel, such as can0. Without one, `virtual` and `slcan` run the "
             "folder's node on this machine.",
+        ),
+    ] = None,
+    target: Annotated[
+        str | None,
+        typer.Option(
+            "--target",
+            metavar="CORE",
+            help="Run the node on an emulated microcontroller, such as cortex-m4, over its UART.",
         ),
     ] = None,
     source: Annotated[Source, typer.Option("--source", help="What moves the joint.")] = (
@@ -67,26 +79,28 @@ def bridge(
     \b
     Example:
       ccgen bridge firmware --source random --seconds 60
+      ccgen bridge shoulder.toml --target cortex-m4
       ccgen bridge firmware --interface socketcan --channel can0
     """
+    if target is not None and (channel is not None or interface != "virtual"):
+        raise InputError("--target: the emulated node has its own line; leave out the bus options")
     from ccgen.can import bridge as stage
     from ccgen.cli.bridge_display import display
     from ccgen.shapes import score_library
-    from ccgen.verify.exported import open_exported
 
-    exported = open_exported(directory)
-    rate_hz = rate or 1000.0 / exported.joint.can.cycle_ms
-    stream = stage.simulate(
-        exported.joint,
-        exported.model,
-        score_library(exported.joint),
-        source.value,
-        seconds,
-        rate_hz,
-    )
-    where = f"{interface} {channel}" if channel else interface
-    with _node(exported, interface, channel) as bus, display(stream, where) as show:
-        summary = stage.bridge(bus, exported.codec, stream, where, show)
+    with _exported(path) as exported:
+        rate_hz = rate or 1000.0 / exported.joint.can.cycle_ms
+        stream = stage.simulate(
+            exported.joint,
+            exported.model,
+            score_library(exported.joint),
+            source.value,
+            seconds,
+            rate_hz,
+        )
+        where = target or (f"{interface} {channel}" if channel else interface)
+        with _node(exported, interface, channel, target) as bus, display(stream, where) as show:
+            summary = stage.bridge(bus, exported.codec, stream, where, show)
     if json:
         print_json(summary.record())
     else:
@@ -96,13 +110,36 @@ def bridge(
 
 
 @contextmanager
-def _node(exported: "Exported", interface: str, channel: str | None) -> Iterator["can.BusABC"]:
+def _exported(path: Path) -> Iterator["Exported"]:
+    """Open an exported folder, or export a joint's file into one that goes away again."""
+    from ccgen.verify.exported import open_exported
+
+    if not path.is_file():
+        yield open_exported(path)
+        return
+    from ccgen.export.package import export
+
+    with tempfile.TemporaryDirectory() as folder:
+        export(path, Path(folder) / "joint")
+        yield open_exported(Path(folder) / "joint")
+
+
+@contextmanager
+def _node(
+    exported: "Exported", interface: str, channel: str | None, target: str | None
+) -> Iterator["can.BusABC"]:
     """Run the folder's own node, or open the bus of one that runs elsewhere."""
     from ccgen.can.transports.interface import interface_node
     from ccgen.can.transports.library import library_node
     from ccgen.can.transports.process import process_node
     from ccgen.verify.build import build_process, build_shared
 
+    if target is not None:
+        from ccgen.verify.targets import emulated_node
+
+        with emulated_node(exported, target) as bus:
+            yield bus
+        return
     if channel is not None or interface not in ("virtual", "slcan"):
         bitrate = None if interface == "virtual" else exported.joint.can.bitrate
         with interface_node(exported.layout, interface, channel, bitrate) as bus:
