@@ -1,0 +1,50 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+CHECK = ROOT / "examples" / "ci" / "check.sh"
+
+
+def check(*joints: Path, scratch: Path) -> subprocess.CompletedProcess[str]:
+    environment = {
+        **os.environ,
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+        "TMPDIR": str(scratch),
+        "SNAPSHOTS": "60",
+    }
+    return subprocess.run(
+        ["bash", CHECK, *joints], env=environment, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.fixture
+def scratch(tmp_path):
+    (tmp_path / "scratch").mkdir()
+    return tmp_path / "scratch"
+
+
+def test_the_script_verifies_every_joint_file_it_is_given(scratch):
+    joints = [ROOT / "examples" / "shoulder.toml", ROOT / "examples" / "wrist.toml"]
+    done = check(*joints, scratch=scratch)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("Every angle is the model's, bit for bit; no frame was lost.") == 2
+    assert list(scratch.iterdir()) == []
+
+
+def test_the_script_fails_on_a_wrong_joint_file_and_says_why(scratch, tmp_path):
+    joint = tmp_path / "joint.toml"
+    joint.write_text('name = "while"\n')
+    done = check(joint, scratch=scratch)
+    assert done.returncode == 2
+    assert "joint.toml: " in done.stderr
+    assert list(scratch.iterdir()) == []
+
+
+def test_the_script_without_a_joint_file_says_how_to_use_it(scratch):
+    done = check(scratch=scratch)
+    assert done.returncode == 2
+    assert "usage: " in done.stderr
