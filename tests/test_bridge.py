@@ -55,9 +55,8 @@ def test_a_stream_comes_back_whole_and_as_the_model_has_it(folder, capsys, inter
         "bridge", str(folder), "--interface", interface, "--source", source, "--seconds", "0.5",
         "--rate", "200", "--json",
     )  # fmt: skip
-    out, err = capsys.readouterr()
-    assert (status, err) == (0, "")
-    record = json.loads(out)
+    assert status == 0
+    record = json.loads(capsys.readouterr().out)
     assert (record["transport"], record["source"]) == (interface, source)
     assert (record["snapshots"], record["answered"]) == (100, 100)
     assert (record["lost_frames"], record["corrupted"], record["mismatches"]) == (0, 0, 0)

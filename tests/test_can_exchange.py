@@ -182,6 +182,17 @@ def test_where_nobody_answers_every_frame_is_lost(request):
     assert (result.complete.any(), result.rate_hz) == (False, 0.0)
 
 
+def test_one_stall_of_all_that_is_in_flight_does_not_end_the_exchange(request):
+    result = run(
+        request.node.name,
+        snapshots(60),
+        lambda s, f: [] if 10 < s <= 24 else f,
+        replace(QUICK, in_flight=14),
+    )
+    assert result.lost_frames >= 14 * PER_SNAPSHOT
+    assert result.complete[24:].all()
+
+
 @pytest.mark.parametrize("in_flight", [0, 15])
 def test_more_in_flight_than_counters_are_refused(in_flight):
     with pytest.raises(ValueError, match="1 to 14 work"):

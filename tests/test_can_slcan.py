@@ -140,6 +140,15 @@ def test_a_process_receives_and_answers(program):
             assert bus.recv(5.0).arbitration_id == number
 
 
+def test_a_process_is_given_time_for_a_snapshot_that_a_busy_machine_may_need(program):
+    tell = (
+        "import sys, os\nos.write(1, b't0010\\r')\nsys.stdin.read(1)\nsys.exit(str(sys.argv[1:]))"
+    )
+    with pytest.raises(ToolError, match=r"\['--window-ms', '1000'\]"):  # noqa: SIM117
+        with process_node(program(tell)) as bus:
+            assert bus.recv(5.0) is not None
+
+
 def test_a_process_that_fails_says_why(program):
     failing = program("import sys\nsys.stdin.read(1)\nsys.exit('no such luck')")
 

@@ -21,8 +21,11 @@ from ccgen.can.transports.slcan import BlockSlcanBus
 
 Integers = NDArray[np.int64]
 
-_SILENT_SNAPSHOTS = 8
-"""So many snapshots without a single frame in answer mean that nobody is there."""
+_SILENT_ROUNDS = 3
+"""So many time-outs of all that is in flight, one after the other, mean that nobody is there."""
+
+_LISTEN_SECONDS = 0.5
+"""What an idle node has, beyond five cycles, to send the status that is due every cycle."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,7 @@ class Pace:
 
     rate_hz: float | None = None
     in_flight: int = 4
-    timeout: float = 1.0
+    timeout: float = 2.0
 
 
 @dataclass(frozen=True)
@@ -181,10 +184,12 @@ class _Run:
         self.refused = self._refused()
         self.begin = self.end = 0.0
         self.first_sample: int | None = None
+        self.gone = False
 
     def listen_for_status(self) -> None:
         """Learn from an idle node how many snapshots it has seen; none may come."""
-        patience = time.perf_counter() + max(self.pace.timeout, 5e-3 * self.layout.cycle_ms)
+        patience = time.perf_counter() + min(self.pace.timeout, _LISTEN_SECONDS)
+        patience += 5e-3 * self.layout.cycle_ms
         while self.first_sample is None and time.perf_counter() < patience and not self._gone():
             self._receive(5e-3 * self.layout.cycle_ms)
             if self.statuses.seen:
@@ -231,7 +236,7 @@ class _Run:
         )
 
     def _gone(self) -> bool:
-        return self.silent >= _SILENT_SNAPSHOTS
+        return self.gone or self.silent > _SILENT_ROUNDS * self.pace.in_flight
 
     def _refused(self) -> int:
         lines = self.bus.malformed_lines if isinstance(self.bus, BlockSlcanBus) else 0
@@ -281,7 +286,7 @@ class _Run:
         try:
             message = self.bus.recv(timeout)
         except can.CanError:
-            self.silent = _SILENT_SNAPSHOTS  # the other end is gone: nothing more will come
+            self.gone = True  # the line is closed: nothing more will come
             return
         decoded = self.codec.decode(message) if message is not None else None
         if decoded is None or decoded.kind == "lengths":

@@ -47,7 +47,12 @@ def _start(program: Path, errors: int) -> tuple[subprocess.Popen[bytes], can.Bus
     controlling, terminal = os.openpty()
     try:
         tty.setraw(terminal)
-        process = subprocess.Popen([program], stdin=controlling, stdout=controlling, stderr=errors)
+        process = subprocess.Popen(
+            [program, "--window-ms", str(WINDOW_MS)],
+            stdin=controlling,
+            stdout=controlling,
+            stderr=errors,
+        )
         try:
             return process, BlockSlcanBus(os.ttyname(terminal))
         except BaseException:
