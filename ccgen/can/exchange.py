@@ -8,7 +8,7 @@ so one is lost where their counter jumps, or where none ever reports the last sn
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import reduce
 from operator import or_
 
@@ -16,7 +16,8 @@ import can
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.can.codec import Codec, Decoded, Status, status_of
+from ccgen.can.answers import PendingAnswer, StatusStream
+from ccgen.can.codec import Codec, Status
 from ccgen.can.transports.slcan import BlockSlcanBus
 
 Integers = NDArray[np.int64]
@@ -132,33 +133,6 @@ def exchange(
     return run.result()
 
 
-@dataclass
-class _Pending:
-    """A snapshot whose answer is on its way."""
-
-    index: int
-    sent: float
-    angles: list[tuple[int, ...] | None]
-    tip: tuple[int, ...] | None = None
-    received: int = 0
-
-
-@dataclass
-class _Statuses:
-    """The stream of STATUS frames, which carry a counter of their own."""
-
-    modulus: int
-    seen: list[Status] = field(default_factory=list)
-    lost: int = 0
-    counter: int | None = None
-
-    def take(self, decoded: Decoded) -> None:
-        if self.counter is not None:
-            self.lost += (decoded.counter - self.counter - 1) % self.modulus
-        self.counter = decoded.counter
-        self.seen.append(status_of(decoded))
-
-
 class _Run:
     def __init__(
         self,
@@ -178,8 +152,8 @@ class _Run:
         self.tips = np.zeros((len(self.counts), 3), dtype=np.int64)
         self.complete = np.zeros(len(self.counts), dtype=np.bool_)
         self.answer_frames = layout.angles_frames + 1
-        self.pending: dict[int, _Pending] = {}
-        self.statuses = _Statuses(layout.counter_modulus)
+        self.pending: dict[int, PendingAnswer] = {}
+        self.statuses = StatusStream(layout.counter_modulus)
         self.sent = self.answered = self.silent = self.lost = self.unexpected = 0
         self.refused = self._refused()
         self.begin = self.end = 0.0
@@ -271,7 +245,7 @@ class _Run:
     def _send(self, now: float) -> None:
         counter = self.sent % self.layout.counter_modulus
         frames = self.codec.encode(self.counts[self.sent], counter)
-        self.pending[counter] = _Pending(self.sent, now, [None] * (self.answer_frames - 1))
+        self.pending[counter] = PendingAnswer(self.sent, now, [None] * (self.answer_frames - 1))
         self.sent += 1
         try:
             if isinstance(self.bus, BlockSlcanBus):
@@ -295,12 +269,12 @@ class _Run:
             self.statuses.take(decoded)
             return
         pending = self.pending.get(decoded.counter)
-        if pending is None or not _store(pending, decoded):
+        if pending is None or not pending.store(decoded):
             self.unexpected += 1
         elif pending.received == self.answer_frames:
             self._finish(pending)
 
-    def _finish(self, pending: _Pending) -> None:
+    def _finish(self, pending: PendingAnswer) -> None:
         for earlier in [p for p in self.pending.values() if p.index < pending.index]:
             self._close(earlier)
         self.end = time.perf_counter()
@@ -315,7 +289,7 @@ class _Run:
             lost = self.lost + self.statuses.lost
             self.on_answer(Answer(pending.index, angles, tip, lost, status))
 
-    def _close(self, pending: _Pending) -> None:
+    def _close(self, pending: PendingAnswer) -> None:
         del self.pending[pending.index % self.layout.counter_modulus]
         self.lost += self.answer_frames - pending.received
         self.answered += pending.received > 0
@@ -327,15 +301,3 @@ class _Run:
             if now - oldest.sent <= self.pace.timeout:
                 return
             self._close(oldest)
-
-
-def _store(pending: _Pending, decoded: Decoded) -> bool:
-    """Put a frame's values in their place; False if they are there already."""
-    if decoded.kind == "tip":
-        fresh = pending.tip is None
-        pending.tip = decoded.values
-    else:
-        fresh = pending.angles[decoded.index] is None
-        pending.angles[decoded.index] = decoded.values
-    pending.received += fresh
-    return fresh
