@@ -12,6 +12,8 @@ from ccgen.cli.export import export
 from ccgen.cli.failures import Debug, in_one_line
 from ccgen.cli.fit import fit
 from ccgen.cli.init import init
+from ccgen.cli.place import place
+from ccgen.cli.reproduce import reproduce
 from ccgen.cli.simulate import simulate
 from ccgen.cli.verify import verify
 
@@ -30,6 +32,8 @@ app.command()(in_one_line(fit))
 app.command()(in_one_line(export))
 app.command()(in_one_line(verify))
 app.command()(in_one_line(bridge))
+app.command()(in_one_line(place))
+app.command()(in_one_line(reproduce))
 
 
 def _print_version(wanted: bool) -> None:

@@ -1,0 +1,55 @@
+"""Placements drawn along the joint."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ccgen.placement.problem import Placement
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_COLOUR = "#0072B2"
+_FIXED = "#999999"
+_ROW = 0.22
+_WIDTH = 7.0
+
+
+def placement_figure(
+    placements: Sequence[Placement], segments: int, forbidden: Sequence[int] = ()
+) -> "Figure":
+    """Draw each placement's spans over the segments, one line a sensor.
+
+    Args:
+        placements: drawn below each other, titled with method and score.
+        segments: number m of segments.
+        forbidden: segments at which nothing can be attached; shaded.
+    """
+    from matplotlib.figure import Figure
+
+    lines = [len(placement.spans) for placement in placements]
+    height = sum(0.55 + _ROW * count for count in lines) + 0.5
+    figure = Figure(figsize=(_WIDTH, height), layout="constrained")
+    ratios = [count + 1.0 for count in lines]
+    column = figure.subplots(len(placements), 1, sharex=True, squeeze=False, height_ratios=ratios)
+    for axes, placement in zip(column[:, 0], placements, strict=True):
+        _draw(axes, placement, segments, forbidden)
+    column[-1, 0].set_xlabel("segment (0 at the base)", fontsize=9)
+    return figure
+
+
+def _draw(axes: "Axes", placement: Placement, segments: int, forbidden: Sequence[int]) -> None:
+    for segment in forbidden:
+        axes.axvspan(segment - 0.5, segment + 0.5, color=_FIXED, alpha=0.25, linewidth=0)
+    for line, (first, last) in enumerate(placement.spans):
+        axes.barh(line, last - first + 1, 0.55, left=first - 0.5, color=_COLOUR)
+        axes.plot([first - 0.5, last + 0.5], [line, line], "|", color="black", markersize=9)
+    axes.set_xlim(-0.6, segments - 0.4)
+    axes.set_ylim(len(placement.spans) - 0.4, -0.6)
+    axes.set_yticks(range(len(placement.spans)))
+    axes.set_xticks(range(0, segments, max(1, segments // 12)))
+    axes.set_xticks([k - 0.5 for k in range(segments + 1)], minor=True)
+    axes.grid(axis="x", which="minor", alpha=0.3)
+    axes.set_axisbelow(True)
+    axes.tick_params(labelsize=8)
+    axes.set_title(f"{placement.method}: {placement.percent:.4g} % of ROM", fontsize=9)

@@ -1,0 +1,189 @@
+import filecmp
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from ccgen.errors import InputError
+from ccgen.placement import Evolution, Search
+from ccgen.study import spread
+from ccgen.study.joints import Settings, StudyJoint, all_joints, chosen_joints, study_joint
+from ccgen.study.run import Store, run_study
+from ccgen.study.tables import table2, table2_json
+
+QUICK = Settings(Evolution(individuals=30, generations=2), Search(enumerated=500, starts=1))
+JOINTS = (StudyJoint(12, 3), StudyJoint(12, 8), StudyJoint(16, 1))
+
+
+def run(folder, executor, joints=JOINTS, settings=QUICK, finished=None):
+    store = Store(folder / "joints", settings)
+    records = run_study(joints, settings, store, executor, finished or (lambda joint, before: None))
+    (folder / "table2.json").write_bytes(table2_json(table2(records)))
+    return folder
+
+
+def same_files(one, other):
+    names = sorted(str(path.relative_to(one)) for path in one.rglob("*") if path.is_file())
+    assert names == sorted(
+        str(path.relative_to(other)) for path in other.rglob("*") if path.is_file()
+    )
+    _, different, errors = filecmp.cmpfiles(one, other, names, shallow=False)
+    return not different and not errors
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    with spread.processes(2) as executor:
+        return run(tmp_path_factory.mktemp("undisturbed"), executor)
+
+
+def test_order_and_number_of_processes_leave_every_byte_alone(undisturbed, tmp_path):
+    with spread.processes(1) as executor:
+        again = run(tmp_path, executor, joints=JOINTS)
+    assert same_files(undisturbed, again)
+
+
+def test_a_dask_cluster_of_two_workers_gives_the_same_bytes(undisturbed, tmp_path):
+    from distributed import LocalCluster
+
+    # Two threads each: joints that share a worker must not share random numbers either.
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=2, dashboard_address=None) as workers,
+        spread.cluster(workers.scheduler_address) as executor,
+    ):
+        on_cluster = run(tmp_path, executor)
+    assert same_files(undisturbed, on_cluster)
+
+
+def test_no_scheduler_is_one_line():
+    with (
+        pytest.raises(InputError, match="no Dask scheduler answers at tcp://127"),
+        spread.cluster("tcp://127.0.0.1:1", timeout=0.3),
+    ):
+        raise AssertionError("connected")
+
+
+def test_finished_joints_are_not_studied_again(undisturbed):
+    class Refusing:
+        def submit(self, *work):
+            raise AssertionError("studied again")
+
+    seen = []
+    store = Store(undisturbed / "joints", QUICK)
+    records = run_study(JOINTS, QUICK, store, Refusing(), lambda *what: seen.append(what))
+    assert seen == [(joint, True) for joint in JOINTS]
+    assert table2_json(table2(records)) == (undisturbed / "table2.json").read_bytes()
+
+
+@pytest.mark.parametrize("spoilt", [b"", b"{", b"[]", b'{"made_with": null}'])
+def test_a_spoilt_joint_file_counts_as_unfinished(tmp_path, spoilt):
+    store = Store(tmp_path, QUICK)
+    (tmp_path / "m12-rom3.json").write_bytes(spoilt)
+    assert store.load(StudyJoint(12, 3)) is None
+
+
+def test_joints_of_other_settings_count_as_unfinished(undisturbed):
+    other = Settings(Evolution(individuals=30, generations=2, seed=1), QUICK.search)
+    assert Store(undisturbed / "joints", QUICK).load(JOINTS[0]) is not None
+    assert Store(undisturbed / "joints", other).load(JOINTS[0]) is None
+
+
+def test_a_killed_run_resumes_to_the_same_bytes(tmp_path):
+    options = ["--joints", "12:1,12:2,12:3", "--individuals", "20", "--generations", "1"]
+
+    def start(folder):
+        command = [sys.executable, "-m", "ccgen.cli.main", "reproduce", "-o", str(folder)]
+        return subprocess.Popen([*command, *options, "--processes", "1"], stderr=subprocess.PIPE)
+
+    killed, whole = tmp_path / "killed", tmp_path / "whole"
+    process = start(killed)
+    deadline = time.monotonic() + 60
+    while not list(killed.glob("joints/m*.json")) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    finished = len(list(killed.glob("joints/m*.json")))
+    assert 1 <= finished < 3
+    assert not (killed / "table2.json").exists()
+    resumed = start(killed)
+    _, said = resumed.communicate(timeout=120)
+    assert resumed.returncode == 0
+    assert f"{finished} of 3 joints were finished before" in said.decode()
+    undisturbed = start(whole)
+    undisturbed.communicate(timeout=120)
+    assert undisturbed.returncode == 0
+    for name in ("joints/.", "."):
+        leftovers = [path.name for path in (killed / name).iterdir() if path.name[0] == "."]
+        assert not leftovers
+    assert same_files(killed, whole)
+
+
+def test_workers_end_when_their_parent_is_killed(tmp_path):
+    code = (
+        "import time\n"
+        "from ccgen.study import spread\n"
+        "if __name__ == '__main__':\n"
+        "    with spread.processes(1) as executor:\n"
+        "        print(executor.submit(__import__('os').getpid).result(), flush=True)\n"
+        "        time.sleep(60)\n"
+    )
+    script = tmp_path / "parent.py"
+    script.write_text(code)
+    process = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE)
+    worker = int(process.stdout.readline())
+    process.kill()
+    process.wait()
+    process.stdout.close()
+    deadline = time.monotonic() + 20
+    while _runs(worker) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert not _runs(worker)
+
+
+def _runs(pid):
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state != "Z"
+
+
+def test_processes_work_with_one_thread_each():
+    with spread.processes(1) as executor:
+        assert executor.submit(os.getenv, "OPENBLAS_NUM_THREADS").result() == "1"
+
+
+def test_no_process_is_refused():
+    with pytest.raises(InputError, match="--processes: 0"), spread.processes(0):
+        raise AssertionError("started")
+
+
+def test_all_joints_are_those_of_table_1():
+    joints = all_joints()
+    assert len(joints) == len(set(joints)) == 80
+    assert {joint.segments for joint in joints} == {12, 16, 20, 24, 28, 32, 36, 40, 44, 48}
+    assert {joint.range_of_motion_deg for joint in joints} == {1, 2, 3, 4, 5, 6, 7, 8}
+
+
+def test_joints_are_chosen_by_segments_and_range():
+    assert chosen_joints("48:8, 12:3,12:3") == (StudyJoint(12, 3), StudyJoint(48, 8))
+    assert chosen_joints("16") == tuple(StudyJoint(16, degrees) for degrees in range(1, 9))
+
+
+@pytest.mark.parametrize("text", ["", "13", "12:9", "12:3;16:3", "12:3:1", "x"])
+def test_joints_that_table_1_does_not_have_are_refused(text):
+    with pytest.raises(InputError, match="no joint of Table 1"):
+        chosen_joints(text)
+
+
+def test_a_joint_has_every_cell_once():
+    record = study_joint(StudyJoint(12, 3), QUICK)
+    cells = [(s["placement"], s["method"], s["sensors"]) for s in record["scores"]]
+    assert len(cells) == len(set(cells)) == 1 + 7 * 5
+    assert json.loads(json.dumps(record)) == record
+    assert not record["beyond_fold"]
