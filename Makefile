@@ -8,8 +8,13 @@ JOINT ?= examples/shoulder.toml
 BIN := $(VENV)/bin
 NAME := $(basename $(notdir $(JOINT)))
 
-# Programs that the tests need, as command:Debian package.
-TOOLS := gcc:gcc g++:g++ clang:clang cmake:cmake
+# Programs that the tests need, as command:Debian package; libraries go with their program.
+TOOLS := gcc:gcc g++:g++ clang:clang cmake:cmake \
+  arm-none-eabi-gcc:gcc-arm-none-eabi arm-none-eabi-gcc:libnewlib-arm-none-eabi \
+  riscv64-unknown-elf-gcc:gcc-riscv64-unknown-elf \
+  riscv64-unknown-elf-gcc:picolibc-riscv64-unknown-elf \
+  avr-gcc:gcc-avr avr-gcc:avr-libc simavr:simavr simavr:libsimavr-dev \
+  qemu-system-arm:qemu-system-arm qemu-system-riscv32:qemu-system-misc
 
 .PHONY: demo test lint tools benchmark clean
 

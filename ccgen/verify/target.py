@@ -1,11 +1,12 @@
 """Targets by name: the host, or a microcontroller's core in an emulator."""
 
 from ccgen.errors import InputError
+from ccgen.verify import host, targets
 from ccgen.verify.exported import Exported
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 
-TARGETS = ("host",)
+TARGETS = ("host", *targets.TARGETS)
 
 
 def verify_target(exported: Exported, target: str, plan: Plan, report: Progress) -> list[Run]:
@@ -17,6 +18,6 @@ def verify_target(exported: Exported, target: str, plan: Plan, report: Progress)
     """
     if target not in TARGETS:
         raise InputError(f"--target {target}: unknown; known: {', '.join(TARGETS)}")
-    from ccgen.verify import host
-
+    if target in targets.TARGETS:
+        return targets.verify_target(exported, target, plan, report)
     return host.verify(exported, plan, report)

@@ -20,7 +20,7 @@ from ccgen.verify.targets.emulator import running_node
 UART_SNAPSHOTS = 1_000
 """Snapshots over the UART if the plan names no number."""
 
-_PACE = Pace(in_flight=4, timeout=20.0)
+_PACE = Pace(in_flight=4, timeout=10.0)
 """A time-out means a lost frame: it must outlast whatever else the host is doing."""
 
 
