@@ -175,6 +175,12 @@ def test_a_node_that_falls_silent_loses_all_the_rest_in_bounded_time(request):
     assert result.lost_frames >= 450 * PER_SNAPSHOT
 
 
+def test_a_node_that_leaves_out_a_frame_every_time_ends_in_bounded_time(request):
+    result = run(request.node.name, snapshots(500), lambda s, f: f if s <= 50 else f[1:])
+    assert np.count_nonzero(result.complete) == 50
+    assert result.lost_frames > 450
+
+
 def test_where_nobody_answers_every_frame_is_lost(request):
     with can.Bus(interface="virtual", channel=request.node.name) as bus:
         result = exchange(bus, codec_for(LAYOUT), snapshots(30), QUICK)

@@ -22,8 +22,8 @@ from ccgen.can.transports.slcan import BlockSlcanBus
 
 Integers = NDArray[np.int64]
 
-_SILENT_ROUNDS = 3
-"""So many time-outs of all that is in flight, one after the other, mean that nobody is there."""
+_FAILED_ROUNDS = 3
+"""After so many time-outs of all that is in flight, one after the other, the rest is given up."""
 
 _LISTEN_SECONDS = 0.5
 """What an idle node has, beyond five cycles, to send the status that is due every cycle."""
@@ -154,7 +154,7 @@ class _Run:
         self.answer_frames = layout.angles_frames + 1
         self.pending: dict[int, PendingAnswer] = {}
         self.statuses = StatusStream(layout.counter_modulus)
-        self.sent = self.answered = self.silent = self.lost = self.unexpected = 0
+        self.sent = self.answered = self.failed = self.lost = self.unexpected = 0
         self.refused = self._refused()
         self.begin = self.end = 0.0
         self.first_sample: int | None = None
@@ -210,7 +210,7 @@ class _Run:
         )
 
     def _gone(self) -> bool:
-        return self.gone or self.silent > _SILENT_ROUNDS * self.pace.in_flight
+        return self.gone or self.failed > _FAILED_ROUNDS * self.pace.in_flight
 
     def _refused(self) -> int:
         lines = self.bus.malformed_lines if isinstance(self.bus, BlockSlcanBus) else 0
@@ -293,7 +293,7 @@ class _Run:
         del self.pending[pending.index % self.layout.counter_modulus]
         self.lost += self.answer_frames - pending.received
         self.answered += pending.received > 0
-        self.silent = 0 if pending.received else self.silent + 1
+        self.failed = 0 if pending.received == self.answer_frames else self.failed + 1
 
     def _expire(self, now: float) -> None:
         while self.pending:

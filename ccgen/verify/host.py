@@ -19,6 +19,9 @@ from ccgen.verify.library import JointLibrary
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 
+PACE = Pace(timeout=5.0)
+"""As fast as answers come, with patience for a machine that has other work."""
+
 _REPORT_EVERY = 256
 
 
@@ -42,7 +45,7 @@ def verify(exported: Exported, plan: Plan, report: Progress) -> list[Run]:
         for transport, node in nodes.items():
             with node() as bus:
                 answers = exchange(
-                    bus, exported.codec, counts, Pace(), _reporter(report, transport, len(counts))
+                    bus, exported.codec, counts, PACE, _reporter(report, transport, len(counts))
                 )
             runs.append(compare_exchange(exported, "host", transport, counts, answers))
     return runs
