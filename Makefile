@@ -14,6 +14,7 @@ TOOLS := gcc:gcc g++:g++ clang:clang cmake:cmake \
   riscv64-unknown-elf-gcc:gcc-riscv64-unknown-elf \
   riscv64-unknown-elf-gcc:picolibc-riscv64-unknown-elf \
   avr-gcc:gcc-avr avr-gcc:avr-libc simavr:simavr simavr:libsimavr-dev \
+  arduino-builder:arduino-builder arduino-builder:arduino-core-avr \
   qemu-system-arm:qemu-system-arm qemu-system-riscv32:qemu-system-misc
 
 .PHONY: demo test lint tools benchmark clean
