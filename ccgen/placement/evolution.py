@@ -19,8 +19,9 @@ from deap.tools import crossover, mutation, selection
 
 from ccgen.errors import InputError
 from ccgen.layouts import Spans, heuristic
+from ccgen.placement.compare import best_of
 from ccgen.placement.cost import Floats, Indices
-from ccgen.placement.problem import Placement, Problem, best_of
+from ccgen.placement.problem import Placement, Problem
 
 MAXIMUM_COST = 200.0
 """Cost of an invalid individual: 2 ROM for every angle, in % of ROM."""
@@ -70,8 +71,25 @@ class Evolution:
                 raise InputError(f"probability {share:g} is not one; give 0 to 1")
 
 
+class _Random(random.Random):
+    """A generator whose integers come from one floating-point draw.
+
+    Those of the standard library go through several calls each, which takes longer than costing
+    an individual. The bias is below 2^-40.
+    """
+
+    def randint(self, a: int, b: int) -> int:
+        return a + int(self.random() * (b - a + 1))
+
+    def choice(self, seq: Any) -> Any:
+        return seq[int(self.random() * len(seq))]
+
+
 class _Fitness(base.Fitness):  # type: ignore[misc]
     weights = (-1.0,)
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(self.wvalues > other.wvalues)
 
 
 class _Individual(list[int]):
@@ -138,7 +156,7 @@ def _toolbox(problem: Problem, settings: Evolution) -> base.Toolbox:
     genes = 2 * (problem.sensors - len(problem.constraints.fixed))
     top = problem.segments - 1
     toolbox = base.Toolbox()
-    # The module's own generator, which is the seeded one only while the algorithm runs.
+    # `algorithms.random` is the seeded generator only while the algorithm runs.
     toolbox.register("gene", lambda: algorithms.random.randint(0, top))
     toolbox.register("individual", tools.initRepeat, _Individual, toolbox.gene, genes)
     toolbox.register("population", tools.initRepeat, list, toolbox.individual)
@@ -188,7 +206,7 @@ def _seeded(seed: int) -> Iterator[None]:
     They use the process-wide one of the module `random`, which other threads use too: on a
     cluster's worker, say, where the same seed must give the same result.
     """
-    generator = random.Random(seed)
+    generator = _Random(seed)
     with _LOCK:
         shared = [module.random for module in _RANDOM_USERS]
         try:

@@ -176,17 +176,6 @@ def joint_problem(
     return Problem(fit_library(joint), score_library(joint), sensors, chosen, noise)
 
 
-def best_of(problem: Problem, candidates: Indices) -> tuple[Spans, float]:
-    """The best of some placements, shape (P, n, 2), by `Problem.percent`; of equals the first.
-
-    Order does not matter, neither of the placements nor of the sensors in each.
-    """
-    distinct = sorted({as_spans(one) for one in candidates})
-    percents = problem.percents(np.array(distinct, dtype=np.intp))
-    chosen = distinct[int(np.argmin(percents))]
-    return chosen, problem.percent(chosen)
-
-
 def as_spans(placement: Indices) -> Spans:
     """A placement, shape (n, 2), as spans in order."""
     return tuple(sorted((int(a), int(b)) for a, b in placement))

@@ -7,14 +7,11 @@ import numpy as np
 from ccgen.errors import InputError
 from ccgen.layouts import end_to_end, heuristic
 from ccgen.placement.bound import lower_bound
-from ccgen.placement.certificate import Certificate
+from ccgen.placement.compare import best_of, within
 from ccgen.placement.cost import Indices
 from ccgen.placement.exchange import Descent
 from ccgen.placement.exhaustive import count_covering, covering
-from ccgen.placement.problem import Placement, Problem, best_of
-
-_ROUNDING = 1e-6
-"""Share of a cost by which the two ways of computing it may differ by rounding."""
+from ccgen.placement.problem import Placement, Problem, as_spans
 
 _FINALISTS = 32
 """Best placements met whose cost is computed again without approximation."""
@@ -66,10 +63,8 @@ def enumerate_all(problem: Problem) -> Placement:
             f"no placement of {problem.sensors} sensors covers the joint and keeps to the"
             " constraints; loosen them or use more sensors"
         )
-    limit = problem.percent(best_of(problem, best[None])[0]) * (1 + _ROUNDING)
-    # With noise the weights are least-squares ones, and their cost is exact.
-    bounds = problem.model.costs if problem.noise else Certificate(problem).lower_bounds
-    rivals = [batch[bounds(batch) <= limit] for batch in covering(problem)]
+    limit = problem.percent(as_spans(best))
+    rivals = [within(problem, batch, limit) for batch in covering(problem)]
     spans, percent = best_of(problem, np.concatenate([best[None], *rivals]))
     return Placement("search", spans, percent, evaluations, "proven", 0.0)
 
