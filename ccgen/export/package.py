@@ -106,7 +106,7 @@ def render(joint: Joint, source: bytes) -> tuple[FixedPointModel, dict[str, byte
     }
     texts[f"{joint.name}.dbc"] = dbc_text(layout, joint, model)
     texts["model.json"] = model_json(model)
-    files = runtime | {"joint.toml": source}
+    files = runtime | {"joint.toml": source, "LICENSE": resources.licence().read_bytes()}
     files |= {path: text.encode("utf-8") for path, text in texts.items()}
     files[FILE_NAME] = manifest_json(joint.name, source, files).encode("utf-8")
     return model, files
