@@ -106,6 +106,14 @@ def test_exchange_search_is_reproducible():
     assert search(posed, settings) == search(posed, settings)
 
 
+def test_search_is_never_worse_than_a_placement_it_is_given():
+    posed = problem(16, 4.0, 4, fixed=((2, 9),))
+    known = search(posed, Search(enumerated=0)).spans
+    found = search(posed, Search(enumerated=0, starts=1), [known])
+    assert found.percent <= posed.percent(known)
+    assert found.evaluations < 10_000
+
+
 def test_a_descent_ends_where_no_single_exchange_helps():
     posed = problem(16, 4.0, 4)
     spans, cost = Descent(posed).run(np.array(heuristic(16, 4)))

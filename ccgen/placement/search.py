@@ -1,11 +1,12 @@
 """The best placement: proven by enumeration where that is feasible, else by exchange search."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ccgen.errors import InputError
-from ccgen.layouts import end_to_end, heuristic
+from ccgen.layouts import Spans, end_to_end, heuristic
 from ccgen.placement.bound import lower_bound
 from ccgen.placement.compare import best_of, within
 from ccgen.placement.cost import Indices
@@ -36,8 +37,15 @@ class Search:
     seed: int = 0
 
 
-def search(problem: Problem, settings: Search | None = None) -> Placement:
+def search(
+    problem: Problem, settings: Search | None = None, known: Sequence[Spans] = ()
+) -> Placement:
     """Find the best placement that keeps to the constraints.
+
+    Args:
+        problem: the joint, its sensors and constraints.
+        settings: how hard to try.
+        known: allowed placements that the exchange search starts from too.
 
     Raises:
         InputError: there is none (proven), or none was found.
@@ -45,7 +53,7 @@ def search(problem: Problem, settings: Search | None = None) -> Placement:
     settings = settings or Search()
     if count_covering(problem) <= settings.enumerated:
         return enumerate_all(problem)
-    return exchange(problem, settings)
+    return exchange(problem, settings, known)
 
 
 def enumerate_all(problem: Problem) -> Placement:
@@ -69,8 +77,8 @@ def enumerate_all(problem: Problem) -> Placement:
     return Placement("search", spans, percent, evaluations, "proven", 0.0)
 
 
-def exchange(problem: Problem, settings: Search) -> Placement:
-    """Descend from the usual layouts, from random placements, and from disturbed best ones.
+def exchange(problem: Problem, settings: Search, known: Sequence[Spans] = ()) -> Placement:
+    """Descend from known and usual placements, from random ones, and from disturbed best ones.
 
     Raises:
         InputError: no placement that keeps to the constraints was found.
@@ -78,7 +86,7 @@ def exchange(problem: Problem, settings: Search) -> Placement:
     random = np.random.default_rng(settings.seed)
     descent = Descent(problem)
     best, lowest = None, np.inf
-    starts = _usual(problem)
+    starts = [_fixed_first(problem, spans) for spans in known] + _usual(problem)
     for number in range(max(settings.starts, len(starts))):
         if number < len(starts):
             start = starts[number]
@@ -124,6 +132,13 @@ def _usual(problem: Problem) -> list[Indices]:
         np.array([*fixed, *layout(problem.segments, problem.sensors)[len(fixed) :]], dtype=np.intp)
         for layout in (heuristic, end_to_end)
     ]
+
+
+def _fixed_first(problem: Problem, spans: Spans) -> Indices:
+    free = list(spans)
+    for span in problem.constraints.fixed:
+        free.remove(span)
+    return np.array([*problem.constraints.fixed, *free], dtype=np.intp)
 
 
 def _random(problem: Problem, random: np.random.Generator) -> Indices:

@@ -109,14 +109,15 @@ def _scores(
 ) -> list[dict[str, Any]]:
     apart, overlapping = end_to_end(segments, sensors), heuristic(segments, sensors)
     problem = Problem(fit, score, sensors)
+    evolved = evolve(problem, settings.evolution)
     return [
         _score(EE, DEM, apart, fit, score),
         _score(HO, E_WAM, overlapping, fit, score),
         _score(HO, WAM, overlapping, fit, score),
-        _optimised(OO, evolve(problem, settings.evolution)),
+        _optimised(OO, evolved),
         _score(EE, WAM, apart, fit, score),
         _score(HO, PAPER_CALL, overlapping, fit, score),
-        _optimised(SEARCH, search(problem, settings.search)),
+        _optimised(SEARCH, search(problem, settings.search, [evolved.spans])),
     ]
 
 
