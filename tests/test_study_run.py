@@ -153,6 +153,23 @@ def _runs(pid):
     return state != "Z"
 
 
+def test_an_error_ends_joints_in_work_at_once():
+    workers = []
+
+    def interrupted():
+        with spread.processes(1) as executor:
+            workers.append(executor.submit(os.getpid).result())
+            executor.submit(time.sleep, 60)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    deadline = time.monotonic() + 30
+    while _runs(workers[0]) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert not _runs(workers[0])
+
+
 def test_processes_work_with_one_thread_each():
     with spread.processes(1) as executor:
         assert executor.submit(os.getenv, "OPENBLAS_NUM_THREADS").result() == "1"

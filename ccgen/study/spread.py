@@ -5,6 +5,7 @@ in which pieces finish.
 """
 
 import os
+import signal
 import threading
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
@@ -27,15 +28,22 @@ def processes(count: int | None = None) -> Iterator[Executor]:
     """
     if count is not None and count < 1:
         raise InputError(f"--processes: {count} processes do nothing; give at least 1")
-    from multiprocessing import get_context
+    from multiprocessing import active_children, get_context
 
     # Spawned processes read these when they load the libraries.
     with _environment(dict.fromkeys(_THREADS, "1")):
         executor = ProcessPoolExecutor(
-            count or len(os.sched_getaffinity(0)), get_context("spawn"), _end_with_parent
+            count or len(os.sched_getaffinity(0)), get_context("spawn"), _begin_work
         )
-        with _cancelled_on_error(executor):
-            yield executor
+        others = set(active_children())
+        try:
+            with _cancelled_on_error(executor):
+                yield executor
+        except BaseException:
+            # Joints in work would keep the program from ending.
+            for worker in set(active_children()) - others:
+                worker.terminate()
+            raise
 
 
 @contextmanager
@@ -92,10 +100,11 @@ def _environment(values: dict[str, str]) -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _end_with_parent() -> None:
-    """End a worker whose parent was killed; it would wait for work for ever."""
+def _begin_work() -> None:
+    """Leave Ctrl-C to the parent, and end with it: a worker without would wait for ever."""
     from multiprocessing import parent_process
 
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()
     if parent is None:
         return
