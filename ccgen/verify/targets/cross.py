@@ -213,8 +213,9 @@ def build(directory: Path, core: Core, program: str, out: Path, options: Sequenc
 
 
 def _first_error(messages: str) -> str:
-    lines = messages.strip().splitlines()
-    words = ("error", "warning", "overflowed", "is full")
+    """The line of a compiler's or linker's messages that says what is wrong."""
+    lines = [line for line in messages.strip().splitlines() if not line.startswith("collect2")]
+    words = ("error", "warning", "undefined", "overflowed", "is full")
     telling = (line for line in lines if any(word in line for word in words))
     return next(telling, lines[-1] if lines else "failed without a message")
 

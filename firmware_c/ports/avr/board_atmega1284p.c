@@ -2,8 +2,8 @@
  * \file board_atmega1284p.c
  * \brief ATmega1284P at 16 MHz: USART 0 at 1 Mbit/s, timer 1.
  *
- * On an AVR constants are copied to RAM before main() (avr-libc does it). The 1284P has the most
- * RAM of its family, 16 KB; ram.ld refuses a joint that leaves too little of it for the stack.
+ * On an AVR constants are copied to RAM before main() (avr-libc does it). The 1284P has the most of
+ * its family, 16 KB, and takes the largest joint; see ram.ld for a smaller one.
  */
 #include <avr/interrupt.h>
 #include <avr/io.h>

@@ -1,0 +1,194 @@
+"""Emulators start, end, and never stay behind; the ports lose nothing when they are flooded."""
+
+import os
+import shutil
+import signal
+from pathlib import Path
+
+import pytest
+
+from ccgen.can.exchange import Pace, exchange
+from ccgen.errors import ToolError
+from ccgen.export.package import export
+from ccgen.verify.exported import open_exported
+from ccgen.verify.inputs import bus_counts
+from ccgen.verify.plan import Plan, silent
+from ccgen.verify.targets import TARGETS, emulated_node, missing_tools, verify_target
+from ccgen.verify.targets.batch import Printed, run_batch
+from ccgen.verify.targets.cross import CORES, Tool, build
+
+JOINT = """
+name = "{name}"
+[geometry]
+segments = {segments}
+length = 0.2
+range_of_motion = 2.0
+[sensors]
+placement = "heuristic"
+count = {count}
+radius = 0.05
+[sensors.v]
+count = {count_v}
+[sensors.transducer]
+bits = {bits}
+metres_per_count = {step}
+[shapes]
+cases = ["constant-curvature"]
+[fixed_point]
+precision = {precision}
+"""
+SMALL = {
+    "name": "wrist", "segments": 3, "count": 2, "count_v": 2,
+    "bits": 16, "step": 2e-6, "precision": 16,
+}  # fmt: skip
+LARGEST = {
+    "name": "snake", "segments": 64, "count": 8, "count_v": 7,
+    "bits": 28, "step": 1e-8, "precision": 32,
+}  # fmt: skip
+BOARDS = ("cortex-m0", "cortex-m3", "riscv32", "avr")
+FAULTS = {
+    "cortex-m0": "__builtin_trap();",
+    "cortex-m4": "*(volatile int *)0xF0000000u = 0;",
+    "riscv32": "__builtin_trap();",
+    "avr": "TIMSK0 = 1; TCCR0B = 1; for (;;) {}",
+}
+
+
+@pytest.fixture(scope="module")
+def joints(tmp_path_factory):
+    root = tmp_path_factory.mktemp("emulator")
+    for options in (SMALL, LARGEST):
+        file = root / f"{options['name']}.toml"
+        file.write_text(JOINT.format(**options))
+        export(file, root / options["name"])
+    return root
+
+
+@pytest.fixture(scope="module")
+def wrist(joints):
+    return open_exported(joints / "wrist")
+
+
+def children() -> list[int]:
+    """Processes that this one has started and not waited for."""
+    tasks = Path("/proc/self/task").iterdir()
+    return [int(pid) for task in tasks for pid in (task / "children").read_text().split()]
+
+
+def with_program(joints: Path, folder: Path, text: str) -> Path:
+    """A copy of the exported folder with another batch program."""
+    root = Path(shutil.copytree(joints / "wrist", folder / "wrist"))
+    (root / "ports" / "bare_metal" / "batch.c").write_text(text)
+    return root
+
+
+@pytest.mark.parametrize("target", BOARDS)
+def test_more_bytes_than_the_receive_ring_holds_are_all_received(wrist, target):
+    counts = bus_counts(wrist, 150, seed=3)
+    with emulated_node(wrist, target) as bus:
+        answers = exchange(bus, wrist.codec, counts, Pace(in_flight=14, timeout=10.0))
+    assert answers.complete.all()
+    assert (answers.lost_frames, answers.corrupted, answers.unexpected) == (0, 0, 0)
+    assert (answers.angles == wrist.model.estimate(counts)).all()
+
+
+@pytest.mark.parametrize("target", FAULTS)
+def test_a_fault_ends_the_emulator_with_its_status(joints, target, tmp_path):
+    header = "#include <avr/io.h>\n" if target == "avr" else ""
+    program = f'{header}#include "board.h"\nint main(void) {{ board_init(); {FAULTS[target]} }}\n'
+    exported = open_exported(with_program(joints, tmp_path, program))
+    with pytest.raises(ToolError, match="the firmware ended with status 3"):
+        run_batch(exported, target, Plan(values=1), silent)
+
+
+@pytest.mark.parametrize("target", ["cortex-m7", "riscv32", "avr"])
+def test_the_programs_status_is_the_emulators(joints, target, tmp_path):
+    program = '#include "board.h"\nint main(void) { board_init(); board_end(BOARD_WRONG); }\n'
+    exported = open_exported(with_program(joints, tmp_path, program))
+    with pytest.raises(ToolError, match="the firmware ended with status 1"):
+        run_batch(exported, target, Plan(values=1), silent)
+
+
+def test_a_batch_that_stops_halfway_is_no_success(joints, tmp_path):
+    program = '#include "board.h"\nint main(void) { board_init(); board_end(BOARD_DONE); }\n'
+    exported = open_exported(with_program(joints, tmp_path, program))
+    with pytest.raises(ToolError, match="ended before its last line"):
+        run_batch(exported, "cortex-m0", Plan(values=1), silent)
+
+
+@pytest.mark.parametrize("line", ["", "angles 0", "tip 1 2", "angles 0 xyz", "Hello", "vectors 1"])
+def test_a_line_that_is_none_of_the_firmwares_is_named(line):
+    with pytest.raises(ToolError, match="none of its lines"):
+        Printed().take(line)
+
+
+@pytest.mark.parametrize("target", ["cortex-m0", "avr"])
+def test_the_emulator_is_gone_however_the_block_is_left(wrist, target):
+    before = children()
+
+    def interrupted() -> None:
+        with emulated_node(wrist, target):
+            assert len(children()) == len(before) + 1
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert children() == before
+
+
+def test_an_emulator_that_dies_is_an_error_and_no_wait(wrist):
+    before = children()
+
+    def orphaned() -> None:
+        with emulated_node(wrist, "cortex-m0") as bus:
+            (emulator,) = set(children()) - set(before)
+            os.kill(emulator, signal.SIGKILL)
+            answers = exchange(bus, wrist.codec, bus_counts(wrist, 500, seed=0))
+            assert not answers.complete.any()
+            assert answers.lost_frames > 0
+            assert answers.seconds < 5.0
+
+    with pytest.raises(ToolError, match="qemu-system-arm: the firmware"):
+        orphaned()
+    assert children() == before
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_an_absent_tool_is_named_by_its_debian_package(wrist, target, monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    packages = missing_tools(target)
+    assert packages == list(dict.fromkeys(tool.package for tool in CORES[target].tools))
+    with pytest.raises(ToolError, match=f"needs {' '.join(packages)}; install with `apt-get"):
+        verify_target(wrist, target, Plan(), silent)
+
+
+def test_a_library_that_the_compiler_does_not_find_is_absent():
+    assert Tool("libc6-dev", ("cc",), "libc.so").present()
+    assert not Tool("libnone-dev", ("cc",), "libnone.so").present()
+
+
+@pytest.mark.parametrize("target", ["cortex-m0", "avr"])
+def test_the_largest_joint_fits_the_smallest_cores(joints, target):
+    snake, plan = open_exported(joints / "snake"), Plan(snapshots=30, values=40_000)
+    for run in verify_target(snake, target, plan, silent):
+        assert run.passed, run
+
+
+@pytest.mark.parametrize("target", BOARDS)
+def test_a_program_that_leaves_no_stack_is_refused_when_it_is_linked(joints, target, tmp_path):
+    size = 62 if target == "riscv32" else 14
+    program = (
+        f'#include "board.h"\nstatic volatile char table[{size} * 1024u];\n'
+        "int main(void) { board_init(); table[0] = 1; return table[1]; }\n"
+    )
+    root = with_program(joints, tmp_path, program)
+    with pytest.raises(ToolError, match=r"wrist: .*RAM is full: no room for the stack"):
+        build(root, CORES[target], "batch", tmp_path, ("-O2",))
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("level", ["-O0", "-O3"])
+def test_the_node_compiles_without_a_warning_with_and_without_optimisation(
+    joints, target, level, tmp_path
+):
+    assert build(joints / "wrist", CORES[target], "node", tmp_path, (level,)).is_file()
