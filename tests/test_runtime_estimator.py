@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from runtime_c import ADDRESS, COMPILERS, NO_READING, UNDEFINED, Axis16, compile_c, load
+from runtime_c import ADDRESS, COMPILERS, NO_READING, RUNTIME, UNDEFINED, Axis16, compile_c, load
 
 from ccgen.fixedpoint import AxisModel
 
@@ -144,7 +144,7 @@ def shared_functions(precision: int) -> str:
     return SHARED.format(axis=axis, kind=kind, precision=precision, models=models) + late
 
 
-def source_of(some: list[Case]) -> str:
+def functions_of(some: list[Case]) -> str:
     includes = '#include "ccgen/estimator16.h"\n#include "ccgen/estimator32.h"\n'
     return includes + "".join(tables(case) + function(case) for case in some)
 
@@ -154,8 +154,9 @@ def kernels(compiler: str, flags: tuple[str, ...]) -> ctypes.CDLL:
     """All cases as one library."""
     with TemporaryDirectory() as folder:
         source = Path(folder) / "kernels.c"
-        source.write_text(source_of(CASES) + shared_functions(16) + shared_functions(32))
-        library = ctypes.CDLL(str(compile_c([source], ("-shared", "-fPIC", *flags), compiler)))
+        source.write_text(functions_of(CASES) + shared_functions(16) + shared_functions(32))
+        files = [source, *RUNTIME]
+        library = ctypes.CDLL(str(compile_c(files, ("-shared", "-fPIC", *flags), compiler)))
     library.find16.restype = library.find32.restype = ctypes.c_void_p
     return library
 
@@ -195,6 +196,7 @@ BUILDS = [
     *((COMPILERS[0], (level,)) for level in ("-O0", "-O2", "-O3")),
     *((compiler, ("-O2",)) for compiler in COMPILERS[1:]),
     (COMPILERS[0], ("-O0", *UNDEFINED)),
+    (COMPILERS[0], ("-O2", "-DCCGEN_LOADS_HALVES=0")),
 ]
 
 
@@ -352,9 +354,9 @@ def test_kernels_stay_within_their_arrays(tmp_path):
     )  # fmt: skip
     source = tmp_path / "bounds.c"
     source.write_text(
-        f"#include <stdlib.h>\n{source_of(some)}"
+        f"#include <stdlib.h>\n{functions_of(some)}"
         f"int main(void) {{\n    int failed = 0;\n{calls}    return failed;\n}}\n"
     )
-    program = compile_c([source], ("-O0", *ADDRESS), target=tmp_path / "bounds")
+    program = compile_c([source, *RUNTIME], ("-O0", *ADDRESS), target=tmp_path / "bounds")
     done = subprocess.run([program], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
