@@ -110,7 +110,7 @@ def _shares(rows: Sequence[Row]) -> list[dict[str, Any]]:
 
 def _share(rows: Sequence[Row], before: tuple[str, str], after: tuple[str, str], n: int) -> str:
     ratio = find(rows, (*after, n))["median"] / find(rows, (*before, n))["median"]
-    return f"{100 * (1 - ratio):.1f} %"
+    return f"{100 * (1 - ratio):.2f} %"
 
 
 def _decreases(rows: Sequence[Row]) -> list[dict[str, Any]]:
