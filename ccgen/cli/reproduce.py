@@ -113,7 +113,7 @@ def _reporting(joints: "Sequence[StudyJoint]") -> "Iterator[Callable[[StudyJoint
     start = time.monotonic()
     total = sum(joint.segments for joint in joints)
     state = {"joints": 0, "resumed": 0, "segments": 0, "new": 0, "said": start}
-    task = bar.add_task("", total=total, joints=0, of=len(joints), rate="")
+    task = bar.add_task("", total=total, joints=0, of=len(joints), rate="starting")
 
     def finished(joint: "StudyJoint", before: bool) -> None:
         state["joints"] += 1

@@ -32,9 +32,7 @@ def processes(count: int | None = None) -> Iterator[Executor]:
 
     # Spawned processes read these when they load the libraries.
     with _environment(dict.fromkeys(_THREADS, "1")):
-        executor = ProcessPoolExecutor(
-            count or len(os.sched_getaffinity(0)), get_context("spawn"), _begin_work
-        )
+        executor = ProcessPoolExecutor(count or _processors(), get_context("spawn"), _begin_work)
         others = set(active_children())
         try:
             with _cancelled_on_error(executor):
@@ -73,6 +71,13 @@ def cluster(address: str, timeout: float = 10.0) -> Iterator[Executor]:
         ) from error
     with client, _cancelled_on_error(client.get_executor(pure=False)) as executor:
         yield executor
+
+
+def _processors() -> int:
+    """Processors that this program may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 @contextmanager
