@@ -8,6 +8,11 @@
 
 #define TICK_US 1000u
 
+#define CLOCK_START_CRYSTAL REGISTER(0x40000000u)
+#define CLOCK_CRYSTAL_RUNS REGISTER(0x40000100u)
+#define PINS_SET REGISTER(0x50000508u)
+#define PINS_OUTPUT REGISTER(0x50000518u)
+
 #define UART_STARTRX REGISTER(0x40002000u)
 #define UART_STARTTX REGISTER(0x40002008u)
 #define UART_RXDRDY REGISTER(0x40002108u)
@@ -78,6 +83,13 @@ __attribute__((section(".vectors.chip"), used)) static void (*const chip_vectors
     timer_handler,  /* 8: timer 0 */
 };
 
+/** UART and timer want a clock more exact than the oscillator that the chip starts with. */
+static void start_crystal(void) {
+    CLOCK_START_CRYSTAL = 1;
+    while (CLOCK_CRYSTAL_RUNS == 0u) {
+    }
+}
+
 static void start_timer(void) {
     TIMER_BITMODE = TIMER_32_BITS;
     TIMER_PRESCALER = TIMER_1_MHZ;
@@ -88,6 +100,8 @@ static void start_timer(void) {
 }
 
 static void start_uart(void) {
+    PINS_SET = 1u << PIN_TXD; /* an idle line is high */
+    PINS_OUTPUT = 1u << PIN_TXD;
     UART_PSELTXD = PIN_TXD;
     UART_PSELRXD = PIN_RXD;
     UART_BAUDRATE = UART_1_MBAUD;
@@ -99,6 +113,7 @@ static void start_uart(void) {
 }
 
 void board_init(void) {
+    start_crystal();
     start_timer();
     start_uart();
 }
