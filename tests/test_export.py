@@ -111,7 +111,8 @@ def run_selftest(root: Path, out: Path, level: str) -> int:
     command = [
         "gcc", "-std=c99", level, "-fsanitize=undefined", "-fno-sanitize-recover=all",
         "-I", root / "src", "-I", root / "selftest",
-        *root.glob("selftest/*.c"), root / "src" / f"{name}.c", "-o", out / "selftest",
+        *root.glob("selftest/*.c"), root / "src" / f"{name}.c", *root.glob("src/ccgen/*.c"),
+        "-o", out / "selftest",
     ]  # fmt: skip
     subprocess.run(command, check=True)
     return subprocess.run([out / "selftest"], stdout=subprocess.DEVNULL, check=False).returncode
