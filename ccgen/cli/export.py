@@ -13,9 +13,11 @@ if TYPE_CHECKING:
 
 
 def export(
-    joint: Annotated[Path, typer.Argument(help="The joint's file, joint.toml.")],
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder to write.")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    joint_file: Annotated[Path, typer.Argument(metavar="JOINT", help="The joint file.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR", help="The folder to write.")
+    ],
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Write a folder with fixed-point C that stands alone: estimator, kinematics, CAN node, DBC.
 
@@ -28,8 +30,8 @@ def export(
     """
     from ccgen.export.package import export as write
 
-    done = write(joint, out)
-    if as_json:
+    done = write(joint_file, output)
+    if json:
         print_json(_record(done))
     else:
         _show(done)

@@ -15,29 +15,44 @@ if TYPE_CHECKING:
 
 
 def verify(
-    directory: Annotated[Path, typer.Argument(help="A folder that `ccgen export` wrote.")],
-    target: Annotated[str, typer.Option(help="host, or a microcontroller's core.")] = "host",
+    directory: Annotated[
+        Path, typer.Argument(metavar="DIR", help="A folder that `ccgen export` wrote.")
+    ],
+    target: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--target",
+            metavar="NAME",
+            help="host, cortex-m0, cortex-m3, cortex-m4, cortex-m7, riscv32, avr, or all; may be "
+            "repeated.  [default: host]",
+        ),
+    ] = None,
     snapshots: Annotated[
         int | None,
         typer.Option(
-            min=1, help="Over each bus; default: for a million angles, at least 20000.", metavar="N"
+            min=1,
+            metavar="N",
+            help="Over each bus.  [default: 1000 over an emulated UART; otherwise for a million "
+            "angles, at least 20000]",
         ),
     ] = None,
     values: Annotated[
         int, typer.Option(min=1, help="Angles compared in batches, besides.", metavar="N")
     ] = 1_000_000,
     seed: Annotated[int, typer.Option(min=0, help="Of the random counts.", metavar="N")] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Compile a folder, stream counts to it over CAN and compare every angle bit for bit.
 
     On the host it runs as a shared library on python-can's virtual bus and as a process of its own
-    over SLCAN on a pseudo-terminal. Counts cover the shapes, the corners and the whole declared
-    range. A mismatch, a lost frame or a pose out of bounds ends with status 1.
+    over SLCAN on a pseudo-terminal; microcontrollers run in an emulator and speak SLCAN over their
+    UART. Counts cover the shapes, the corners and the whole declared range. A mismatch, a lost
+    frame or a pose out of bounds ends with status 1.
 
     \b
     Example:
-      ccgen verify firmware/shoulder --target host
+      ccgen verify firmware/shoulder
+      ccgen verify firmware/shoulder --target cortex-m0 --target cortex-m4
     """
     from ccgen.verify.exported import open_exported
     from ccgen.verify.plan import Plan
@@ -47,13 +62,23 @@ def verify(
     for file in exported.changed:
         note(f"warning: {directory / file} differs from what was exported; export again to undo")
     with _progress_bars() as report:
-        runs = verify_target(exported, target, Plan(snapshots, values, seed), report)
-    if as_json:
+        runs = [
+            run
+            for name in _names(target or ["host"])
+            for run in verify_target(exported, name, Plan(snapshots, values, seed), report)
+        ]
+    if json:
         print_json({"runs": [run.record() for run in runs]})
     else:
         _show(runs)
     if not all(run.passed for run in runs):
         raise typer.Exit(1)
+
+
+def _names(targets: Sequence[str]) -> Sequence[str]:
+    from ccgen.verify.target import TARGETS
+
+    return TARGETS if "all" in targets else targets
 
 
 @contextmanager
