@@ -39,9 +39,11 @@ def build(core: str, source: str, level: str) -> bytes:
     with TemporaryDirectory() as folder:
         file, out = Path(folder) / "kernels.c", Path(folder) / "kernels.elf"
         file.write_text(source)
+        needed = [bits for bits in (16, 32) if f"estimator{bits}.h" in source]
+        runtime = [str(firmware() / "src" / f"estimator{bits}.c") for bits in needed]
         command = [
             COMPILER, f"-mcpu={core}", "-mthumb", *C99, *WARNINGS, *INCLUDE, level, *LINK,
-            str(file), str(firmware() / "src" / "estimator16.c"), "-lgcc", "-o", str(out),
+            str(file), *runtime, "-lgcc", "-o", str(out),
         ]  # fmt: skip
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
@@ -121,64 +123,70 @@ def test_every_core_gives_the_bits_of_the_reference_model(core, level):
             np.testing.assert_array_equal(angles, model.estimate(counts, zero), case.name)
 
 
-def one_sensor(bias: int, minimum: int = -30000) -> Case:
-    """angle = count - zero + bias: reaches every value around the limits."""
-    weights, biases = np.ones((SEGMENTS, 1), np.int64), np.full(SEGMENTS, bias)
-    ends = [np.array([value]) for value in (minimum, 30000, 0)]
-    return Case("ramp", AxisModel("u", 16, weights, biases, 0, 10, *ends, True, 0, 0.0, 0.0))
+def ramp(precision: int, sign: int, shift: int) -> Case:
+    """angle = sign * limit + count - zero: reaches every value around a limit."""
+    weights = np.full((SEGMENTS, 1), 1 << shift)
+    bias = np.full(SEGMENTS, sign * (2 ** (precision - 1) - 1) << shift)
+    ends = [np.array([value]) for value in (-50, 50, 0)]
+    model = AxisModel("u", precision, weights, bias, shift, 10, *ends, True, 0, 0.0, 0.0)
+    return Case("ramp", model)
 
 
-@pytest.mark.parametrize("bias", [5000, -5000])
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("precision", "shift"), [(16, 0), (16, 7), (32, 0), (32, 1), (32, 20)])
 @pytest.mark.parametrize("core", MODELS)
-def test_saturation_is_exact_step_by_step_around_both_limits(core, bias):
-    """-32768, which means "no reading", must never come out."""
-    case = one_sensor(bias)
-    edge = 32767 - 5000 if bias > 0 else 5000 - 32767
-    counts = np.arange(edge - 5, edge + 6)[:, None]
-    result, angles = Core(core, functions_of([case])).estimate(
-        "ramp", case.model, np.zeros(1), counts
-    )
-    assert result == 0
-    np.testing.assert_array_equal(angles, case.model.estimate(counts))
-    assert int(np.abs(angles).max()) == 32767
+def test_saturation_is_exact_step_by_step_around_both_limits(core, precision, shift, sign):
+    """The most negative value, which means "no reading", must never come out."""
+    case = ramp(precision, sign, shift)
+    program = Core(core, functions_of([case]))
+    for count in range(-5, 6):  # one by one: each snapshot alone must be noticed
+        counts = np.array([[count]])
+        result, angles = program.estimate("ramp", case.model, case.model.zero, counts)
+        assert result == 0
+        np.testing.assert_array_equal(angles, case.model.estimate(counts))
+        assert int(np.abs(angles).max()) <= case.model.angle_limit
 
 
-def joint(segments: int, sensors: int) -> str:
-    """Two axes that are wide and saturate, as a joint's estimator is generated."""
+def joint(segments: int, sensors: int, precision: int = 16) -> str:
+    """Two axes that are wide and may saturate, as a joint's estimator is generated."""
     random = np.random.default_rng(segments)
-    text = ""
+    kind, axis_name = f"int{precision}_t", f"ccgen_axis{precision}"
+    text = f'#include "ccgen/estimator{precision}.h"\n'
     for axis in "uv":
         ends = [np.full(sensors, value) for value in (-22000, 22000, 0)]
         weights = random.integers(-6000, 6001, (segments, sensors))
         bias = random.integers(-9999, 10000, segments)
-        model = AxisModel(axis, 16, weights, bias, 14, 17, *ends, True, 0, 0.0, 0.0)
+        model = AxisModel(axis, precision, weights, bias, 14, 17, *ends, True, 0, 0.0, 0.0)
         text += tables(Case(axis, model))
     return (
-        f'#include "ccgen/estimator16.h"\n{text}'
-        f"typedef struct {{ int16_t u[{sensors}], v[{sensors}]; }} counts_t;\n"
-        f"typedef struct {{ int16_t u[{segments}], v[{segments}]; }} angles_t;\n"
+        f"{text}typedef struct {{ {kind} u[{sensors}], v[{sensors}]; }} counts_t;\n"
+        f"typedef struct {{ {kind} u[{segments}], v[{segments}]; }} angles_t;\n"
         "int estimate(const counts_t *zero, const counts_t *counts, angles_t *angles);\n"
         "int estimate(const counts_t *zero, const counts_t *counts, angles_t *angles) {\n"
         "    if (zero == NULL || counts == NULL || angles == NULL) {\n        return -1;\n    }\n"
-        "    if (!ccgen_axis16_complete(&u_axis, counts->u) ||\n"
-        "        !ccgen_axis16_complete(&v_axis, counts->v)) {\n        return -2;\n    }\n"
-        "    ccgen_axis16_evaluate(&u_axis, zero->u, counts->u, angles->u);\n"
-        "    ccgen_axis16_evaluate(&v_axis, zero->v, counts->v, angles->v);\n    return 0;\n}\n"
+        f"    if (!{axis_name}_complete(&u_axis, counts->u) ||\n"
+        f"        !{axis_name}_complete(&v_axis, counts->v)) {{\n        return -2;\n    }}\n"
+        f"    {axis_name}_evaluate(&u_axis, zero->u, counts->u, angles->u);\n"
+        f"    {axis_name}_evaluate(&v_axis, zero->v, counts->v, angles->v);\n    return 0;\n}}\n"
     )
 
 
 @pytest.mark.parametrize(
-    ("core", "segments", "sensors", "budget"),
+    ("core", "segments", "sensors", "precision", "budget"),
     [
-        ("cortex-m0", 24, 3, 24), ("cortex-m0", 48, 6, 40), ("cortex-m3", 24, 3, 14),
-        ("cortex-m3", 48, 6, 20), ("cortex-m4", 24, 3, 10), ("cortex-m4", 48, 6, 12),
+        ("cortex-m0", 24, 3, 16, 24), ("cortex-m0", 48, 6, 16, 40),
+        ("cortex-m3", 24, 3, 16, 14), ("cortex-m3", 48, 6, 16, 20),
+        ("cortex-m4", 24, 3, 16, 10), ("cortex-m4", 48, 6, 16, 12),
+        ("cortex-m4", 24, 3, 32, 18), ("cortex-m4", 48, 6, 32, 25),
     ],
 )  # fmt: skip
-def test_instructions_per_segment_and_axis_stay_within_budget(core, segments, sensors, budget):
+def test_instructions_per_segment_and_axis_stay_within_budget(
+    core, segments, sensors, precision, budget
+):
     """Of a whole call with checks, at -O2, for a model that is wide and may saturate."""
-    program = Core(core, joint(segments, sensors))
+    program = Core(core, joint(segments, sensors, precision))
     program.core.mem_write(ZERO, bytes(64))
-    program.core.mem_write(COUNTS, np.full(2 * sensors, 321, "<i2").tobytes())
+    program.core.mem_write(COUNTS, np.full(2 * sensors, 321, f"<i{precision // 8}").tobytes())
     count = program.instructions("estimate", ZERO, COUNTS, ANGLES)
     assert count / (2 * segments) <= budget
 

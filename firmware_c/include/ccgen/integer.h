@@ -1,9 +1,9 @@
 /**
  * \file integer.h
- * \brief Unsigned to signed conversions without implementation-defined behaviour.
+ * \brief Conversions without implementation-defined behaviour, and sums in their order.
  *
- * Each returns the value whose two's complement pattern is the argument's. Compilers emit a sign
- * extension (sxth, asr) or nothing at all.
+ * A conversion gives the value whose two's complement pattern is the argument's. Compilers emit a
+ * sign extension (sxth, asr) or nothing at all.
  */
 #ifndef CCGEN_INTEGER_H
 #define CCGEN_INTEGER_H
@@ -34,5 +34,15 @@ CCGEN_INLINE int16_t ccgen_low16(const uint32_t word) {
 CCGEN_INLINE int16_t ccgen_high16(const uint32_t word) {
     return (int16_t)(ccgen_signed32(word) >> 16);
 }
+
+/**
+ * Keeps the additions of a sum in their order. Reordered they need more registers than Thumb-1 has,
+ * and separate products from the additions that are one instruction with them.
+ */
+#if defined(__GNUC__) && defined(__arm__)
+#define CCGEN_IN_ORDER(sum) __asm__("" : "+r"(sum))
+#else
+#define CCGEN_IN_ORDER(sum) (void)(sum)
+#endif
 
 #endif /* CCGEN_INTEGER_H */

@@ -41,16 +41,6 @@
 #endif
 #endif
 
-/**
- * Keeps the additions of a sum in their order. Reordered they need more registers than Thumb-1 has,
- * and separate a product from the addition that is one instruction with it.
- */
-#if defined(__GNUC__) && defined(__arm__)
-#define CCGEN_IN_ORDER(sum) __asm__("" : "+r"(sum))
-#else
-#define CCGEN_IN_ORDER(sum) (void)(sum)
-#endif
-
 #ifdef __cplusplus
 extern "C" {
 #endif
