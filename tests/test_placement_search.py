@@ -30,6 +30,13 @@ def every_allowed(posed):
     return {as_spans((*fixed, *one)) for one in free if posed.allows((*fixed, *one))}
 
 
+def test_counting_ends_early_above_a_limit():
+    posed = problem(12, 3.0, 4)
+    assert count_covering(posed) == count_covering(posed, 290_863) == 290_863
+    assert 8_000 < count_covering(posed, 8_000) < 290_863
+    assert count_covering(posed, 290_862) > 290_862
+
+
 LIMITS = [
     {},
     {"shortest": 2, "longest": 4},

@@ -130,7 +130,8 @@ class CostModel:
         else:
             deviation = np.sqrt(np.square(noise).sum(axis=1, keepdims=True) / self.samples)
             errors = folded_mean(errors, deviation)
-        result: Floats = errors.sum(axis=-1) @ self.score_weights
+        weights = np.repeat(self.score_weights, self.segments)
+        result: Floats = errors.reshape(len(errors), -1) @ weights
         return result
 
 

@@ -19,7 +19,7 @@ BROKEN = 200.0
 KEPT = 8
 """Spans of each exchange that are kept for the exact comparison in the end."""
 
-_CACHED = 1 << 16
+_CACHED = 1 << 15
 _IMPROVEMENT = 1e-9
 
 
@@ -91,12 +91,14 @@ def exchange_costs(model: CostModel, others: Indices, catalogue: Indices, slot: 
     gained = new[:, :rank] @ model.shapes
     costs = np.empty(len(catalogue))
     chunk = max(1, _CACHED // (errors.size + noise.size))
+    changed = np.empty((chunk, *errors.shape))
     for start in range(0, len(catalogue), chunk):
-        part = slice(start, start + chunk)
+        part = slice(start, min(start + chunk, len(catalogue)))
         change = gained[part, None, :]
-        changed = errors + new[part, size:, None] * change
+        here = np.multiply(new[part, size:, None], change, out=changed[: part.stop - start])
+        here += errors
         disturbed = noise + new[part, rank:size, None] * change if model.noise else None
-        costs[part] = model.total(changed, disturbed)
+        costs[part] = model.total(here, disturbed)
     return costs
 
 

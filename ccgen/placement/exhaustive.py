@@ -5,6 +5,7 @@ still bare must be covered by the next sensor, since later ones begin further ou
 everything that leaves a gap, and nothing else.
 """
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -16,8 +17,11 @@ from ccgen.placement.problem import Problem
 _BATCH = 1 << 16
 
 
-def count_covering(problem: Problem) -> int:
-    """Number of placements without a bare segment (before the limit on stacked sensors)."""
+def count_covering(problem: Problem, limit: float = math.inf) -> int:
+    """Number of placements without a bare segment (before the limit on stacked sensors).
+
+    Counting ends early with some number above the limit where there are more.
+    """
     bare = _next_bare(problem)
     first, last = problem.catalogue.T
     free = problem.sensors - len(problem.constraints.fixed)
@@ -33,6 +37,9 @@ def count_covering(problem: Problem) -> int:
             growing = np.where(bare >= a, upto[i], 0.0)
             ways[i, b + 1] = growing[: b + 2].sum()
             ways[i, b + 2 :] = growing[b + 2 :]
+        # Each of these leads to one more at least, by the same span once more.
+        if ways[:, bare == segments].sum() > limit:
+            break
     return int(ways[:, bare == segments].sum())
 
 

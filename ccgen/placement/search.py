@@ -51,7 +51,7 @@ def search(
         InputError: there is none (proven), or none was found.
     """
     settings = settings or Search()
-    if count_covering(problem) <= settings.enumerated:
+    if count_covering(problem, settings.enumerated) <= settings.enumerated:
         return enumerate_all(problem)
     return exchange(problem, settings, known)
 
