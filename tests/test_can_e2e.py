@@ -57,12 +57,20 @@ def test_every_single_bit_error_is_found(profile, data, bit):
     assert found.value.kind == "crc"
 
 
-@pytest.mark.parametrize("profile", [P01, P05])
-@given(data=st.binary(min_size=8, max_size=8), other=data_ids.filter(lambda i: i != 0x123))
-def test_a_frame_under_another_identifier_is_found(profile, data, other):
-    protected = profile.protect(0x123, 5, data)
+@given(
+    data=st.binary(min_size=8, max_size=8), difference=st.integers(1, 255), byte=st.integers(0, 1)
+)
+def test_p01_finds_every_identifier_that_differs_in_one_byte(data, difference, byte):
+    protected = P01.protect(0x123, 5, data)
     with pytest.raises(ProtectionError):
-        profile.check(other, protected)
+        P01.check(0x123 ^ difference << 8 * byte, protected)
+
+
+@given(data=st.binary(min_size=8, max_size=8), other=data_ids.filter(lambda i: i != 0x123))
+def test_p05_finds_every_other_identifier(data, other):
+    protected = P05.protect(0x123, 5, data)
+    with pytest.raises(ProtectionError):
+        P05.check(other, protected)
 
 
 def test_counter_fifteen_does_not_exist_in_p01():

@@ -120,7 +120,7 @@ def run(*command: object, **options: object) -> str:
 
 
 def cmake(source: Path, build: Path, *options: str) -> Path:
-    run("cmake", "-S", source, "-B", build, *options)
+    run("cmake", "-S", source, "-B", build, "-DCMAKE_BUILD_TYPE=MinSizeRel", *options)
     run("cmake", "--build", build, "--parallel", "2")
     return build
 

@@ -19,6 +19,9 @@ from ccgen.errors import ToolError
 _START = 30.0
 """Seconds until the firmware must have said that its receiver listens."""
 
+_GRACE = 5.0
+"""Seconds until an emulator that has closed its line has ended."""
+
 
 @contextmanager
 def running_node(command: Sequence[str]) -> Iterator[can.BusABC]:
@@ -46,6 +49,8 @@ def running_node(command: Sequence[str]) -> Iterator[can.BusABC]:
             _stop(process)
             raise _ended(command, process, errors)
         yield stack.enter_context(BlockSlcanBus(os.ttyname(terminal)))
+        if _hung_up(terminal):
+            process.wait(_GRACE)
         if process.poll() is not None:
             raise _ended(command, process, errors)
 
@@ -86,6 +91,13 @@ def _start(
         return subprocess.Popen([*guard, *command], stdin=stdin, stdout=stdout, stderr=errors)
     except OSError as error:
         raise ToolError(f"{command[0]}: {error.strerror}") from error
+
+
+def _hung_up(terminal: int) -> bool:
+    """Whether the other end of the line is closed, as it is before its process has ended."""
+    line = select.poll()
+    line.register(terminal, 0)
+    return any(event & select.POLLHUP for _, event in line.poll(0))
 
 
 def _stop(process: subprocess.Popen[bytes]) -> None:
