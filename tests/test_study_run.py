@@ -8,7 +8,9 @@ import time
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from ccgen.cli.main import app
 from ccgen.errors import InputError
 from ccgen.placement import Evolution, Search
 from ccgen.study import spread
@@ -53,7 +55,7 @@ def test_a_dask_cluster_of_two_workers_gives_the_same_bytes(undisturbed, tmp_pat
 
     # Two threads each: joints that share a worker must not share random numbers either.
     with (
-        LocalCluster(n_workers=2, threads_per_worker=2, dashboard_address=None) as workers,
+        LocalCluster(n_workers=2, threads_per_worker=2, dashboard_address=":0") as workers,
         spread.cluster(workers.scheduler_address) as executor,
     ):
         on_cluster = run(tmp_path, executor)
@@ -96,9 +98,13 @@ def test_joints_of_other_settings_count_as_unfinished(undisturbed):
 def test_a_killed_run_resumes_to_the_same_bytes(tmp_path):
     options = ["--joints", "12:1,12:2,12:3", "--individuals", "20", "--generations", "1"]
 
-    def start(folder):
+    def start(folder, *more):
         command = [sys.executable, "-m", "ccgen.cli.main", "reproduce", "-o", str(folder)]
-        return subprocess.Popen([*command, *options, "--processes", "1"], stderr=subprocess.PIPE)
+        return subprocess.Popen(
+            [*command, *options, "--processes", "1", *more],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
 
     killed, whole = tmp_path / "killed", tmp_path / "whole"
     process = start(killed)
@@ -106,7 +112,7 @@ def test_a_killed_run_resumes_to_the_same_bytes(tmp_path):
     while not list(killed.glob("joints/m*.json")) and time.monotonic() < deadline:
         time.sleep(0.01)
     os.kill(process.pid, signal.SIGKILL)
-    process.wait()
+    process.communicate()
     finished = len(list(killed.glob("joints/m*.json")))
     assert 1 <= finished < 3
     assert not (killed / "table2.json").exists()
@@ -114,13 +120,32 @@ def test_a_killed_run_resumes_to_the_same_bytes(tmp_path):
     _, said = resumed.communicate(timeout=120)
     assert resumed.returncode == 0
     assert f"{finished} of 3 joints were finished before" in said.decode()
-    undisturbed = start(whole)
-    undisturbed.communicate(timeout=120)
+    undisturbed = start(whole, "--json")
+    printed, _ = undisturbed.communicate(timeout=120)
     assert undisturbed.returncode == 0
+    answer = json.loads(printed)
+    assert answer.pop("seconds") > 0
+    assert answer == json.loads((whole / "table2.json").read_bytes())
     for name in ("joints/.", "."):
         leftovers = [path.name for path in (killed / name).iterdir() if path.name[0] == "."]
         assert not leftovers
     assert same_files(killed, whole)
+
+
+def test_cluster_and_processes_exclude_each_other(tmp_path):
+    options = [
+        "reproduce",
+        "-o",
+        str(tmp_path / "out"),
+        "--processes",
+        "2",
+        "--scheduler",
+        "tcp://x",
+    ]
+    result = CliRunner().invoke(app, options)
+    assert result.exit_code == 2
+    assert "--processes" in result.stderr
+    assert not (tmp_path / "out").exists()
 
 
 def test_workers_end_when_their_parent_is_killed(tmp_path):
