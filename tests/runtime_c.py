@@ -132,6 +132,8 @@ class Axis16(ctypes.Structure):
         ("minimum", ctypes.POINTER(ctypes.c_int16)),
         ("maximum", ctypes.POINTER(ctypes.c_int16)),
         ("zero", ctypes.POINTER(ctypes.c_int16)),
+        ("bias", ctypes.c_int32),
+        ("biases", ctypes.POINTER(ctypes.c_int32)),
         ("rows", ctypes.POINTER(ctypes.c_uint32)),
     )
 

@@ -3,6 +3,8 @@
 import math
 from typing import Any
 
+import numpy as np
+
 from ccgen import FORMAT_VERSION, __version__
 from ccgen.can.layout import FrameLayout
 from ccgen.estimation import (
@@ -20,6 +22,12 @@ from ccgen.shapes import ShapeLibrary
 SHAPE_VECTORS = 8
 BLOCKS = 8
 BLOCK_SNAPSHOTS = 64
+
+_EVALUATED = (
+    "shift", "fraction_bits", "saturates", "narrow", "minimum", "maximum", "zero", "bias", "biases",
+    "rows",
+)  # fmt: skip
+"""What an axis's code depends on: axes that agree in all of it share tables and code."""
 
 
 def common_context(joint: Joint) -> dict[str, Any]:
@@ -45,7 +53,7 @@ def model_context(
 ) -> dict[str, Any]:
     """Formats, weights and accuracy of both axes."""
     axes = {a: _axis_context(joint, model.axis(a), weights[a], library) for a in AXES}
-    shared = all(axes["u"][key] == axes["v"][key] for key in ("minimum", "maximum", "zero", "rows"))
+    shared = all(axes["u"][key] == axes["v"][key] for key in _EVALUATED)
     axes["v"]["tables"] = "u" if shared else "v"
     return {"axes": axes}
 
@@ -116,11 +124,9 @@ def _axis_context(
         "minimum": axis.minimum.tolist(),
         "maximum": axis.maximum.tolist(),
         "zero": axis.zero.tolist(),
-        "words_per_row": 1 + (axis.sensors + 1) // 2,
-        "rows": [
-            {"bias": int(b), "weights": w, "pairs": _pairs(w)}
-            for b, w in zip(axis.bias, axis.weights.tolist(), strict=True)
-        ],
+        **_bias_context(axis),
+        "words_per_row": (axis.sensors + 1) // 2,
+        "rows": [{"weights": w, "pairs": _pairs(w)} for w in axis.weights.tolist()],
         "worst_error_percent_rom": percent(axis.worst_error_percent_rom),
         "rms_error_percent_rom": f"{axis.rms_error_percent_rom:.2g}",
         "score_percent_rom": f"{score_percent_rom(weights, library):.3g}",
@@ -128,6 +134,17 @@ def _axis_context(
         "score_with_noise_percent_rom": None
         if noise is None
         else f"{score_with_noise_percent_rom(weights, library, noise):.3g}",
+    }
+
+
+def _bias_context(axis: AxisModel) -> dict[str, Any]:
+    """The first segment's bias, and what every segment adds to it where they differ."""
+    literal = "INT{}_C({})".format
+    bits = 2 * axis.precision
+    more = axis.bias - axis.bias[0]
+    return {
+        "bias": literal(bits, int(axis.bias[0])),
+        "biases": [literal(bits, b) for b in more.tolist()] if np.any(more) else [],
     }
 
 

@@ -3,7 +3,8 @@
 An angle of 1 rad is 2^f; an accumulator of 1 rad is 2^(f + shift). The fraction bits f are the
 most with which the shapes and a quarter more fit the angle's width: nothing that a sound joint
 does saturates. The shift is the largest for which every weight fits its width and the accumulator
-cannot overflow, whatever the counts and zeros in range.
+cannot overflow, whatever the counts and zeros in range; nor can it one step lower, where kernels
+begin that saturate.
 """
 
 from dataclasses import dataclass
@@ -123,7 +124,7 @@ def _format(axis: _Axis, fraction_bits: int) -> _Format | None:
         weights = rounded.astype(np.int64)
         bias = np.array([o + half for o in offsets], dtype=np.int64)
         accumulator = bounds.largest_accumulator(weights, bias, axis.ranges.span)
-        if accumulator <= accumulator_limit:
+        if accumulator + (1 << shift) <= accumulator_limit:
             error = bounds.weight_error(
                 axis.gains, axis.intercept, weights, offsets, scale, axis.ranges.span
             )

@@ -19,13 +19,14 @@ extern "C" {
 typedef struct {
     uint16_t segments;      /**< 1 to CCGEN_SEGMENTS_MAX */
     uint8_t sensors;        /**< 1 to CCGEN_AXIS_SENSORS_MAX */
-    uint8_t shift;          /**< 0 to 63 */
+    uint8_t shift;          /**< 0 to 63; 0 to 32 where `saturates` */
     uint8_t fraction_bits;  /**< an angle is in steps of 2^-fraction_bits rad */
     bool saturates;         /**< some readings in range exceed the angle's limit */
     const int32_t *minimum; /**< [sensors] counts; above INT32_MIN, which means "no reading" */
     const int32_t *maximum; /**< [sensors] counts */
     const int32_t *zero;    /**< [sensors] counts at the straight pose, before any capture */
-    const int64_t *bias;    /**< [segments] intercept and rounding half, at the sum's scale */
+    int64_t bias;           /**< intercept and rounding half at the sum's scale */
+    const int64_t *biases;  /**< [segments] what a segment adds to `bias`; NULL where none does */
     const int32_t *weights; /**< [segments][sensors] */
 } ccgen_axis32_t;
 
@@ -42,12 +43,6 @@ CCGEN_INLINE bool ccgen_axis32_has(const ccgen_axis32_t *const axis, const int32
            ((counts[sensor] >= axis->minimum[sensor]) && (counts[sensor] <= axis->maximum[sensor]));
 }
 
-/** \return bit `sensor` where its count is out of range, 0 otherwise. */
-CCGEN_INLINE int ccgen_axis32_missing_bit(const ccgen_axis32_t *const axis,
-                                          const int32_t *const counts, const uint8_t sensor) {
-    return ccgen_axis32_has(axis, counts, sensor) ? 0 : (1 << sensor);
-}
-
 /**
  * Tells which sensors' counts are outside their ranges.
  * \param[in] axis    model
@@ -60,10 +55,11 @@ CCGEN_INLINE int ccgen_axis32_missing(const ccgen_axis32_t *const axis,
     if (!ccgen_axis32_valid(axis) || (counts == NULL)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    return ccgen_axis32_missing_bit(axis, counts, 0) | ccgen_axis32_missing_bit(axis, counts, 1) |
-           ccgen_axis32_missing_bit(axis, counts, 2) | ccgen_axis32_missing_bit(axis, counts, 3) |
-           ccgen_axis32_missing_bit(axis, counts, 4) | ccgen_axis32_missing_bit(axis, counts, 5) |
-           ccgen_axis32_missing_bit(axis, counts, 6) | ccgen_axis32_missing_bit(axis, counts, 7);
+    int mask = 0;
+    for (uint8_t sensor = 0; sensor < axis->sensors; ++sensor) {
+        mask |= ccgen_axis32_has(axis, counts, sensor) ? 0 : (1 << sensor);
+    }
+    return mask;
 }
 
 /**

@@ -4,12 +4,12 @@
  *
  *     angle_i = saturate((bias_i + sum_j W_ij (count_j - zero_j)) >> shift)
  *
- * Accumulates in 32 bits; there is no division, float, 64-bit arithmetic or loop over sensors.
- * Called with a `static const ccgen_axis16_t` that the compiler sees, everything that depends on
- * the number of sensors, the shift and the flags is decided at compile time. Time grows with
- * segments times sensors, and is longest, about three times the usual, when an angle reaches its
- * limit or a difference leaves 16 bits on a core that multiplies two halves at once: then
- * ccgen_axis16_evaluate_any() repeats the axis. Re-entrant; the state belongs to the caller.
+ * Accumulates in 32 bits; there is no division, float, 64-bit arithmetic, loop over sensors or
+ * function call. Called with a `static const ccgen_axis16_t` that the compiler sees, everything
+ * that depends on the number of sensors, the shift and the flags is decided at compile time.
+ * Time grows with segments times sensors and does not depend on the readings but for a few
+ * instructions: where an axis may saturate, and where a core multiplies two halves at once and a
+ * difference does not fit 16 bits. Re-entrant; the state belongs to the caller.
  *
  * The exporter proves for every count within [minimum, maximum] and every zero within the same
  * bounds that no intermediate sum leaves 32 bits and, where `saturates` is false, that every angle
@@ -19,20 +19,11 @@
 #define CCGEN_ESTIMATOR16_H
 
 #include "ccgen/axis16.h"
-#include "ccgen/check.h"
-#include "ccgen/error.h"
 #include "ccgen/kernel16.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/** \return count - zero of one sensor, 0 where the axis has no such sensor. */
-CCGEN_INLINE int32_t ccgen_axis16_difference(const ccgen_axis16_t *const axis,
-                                             const int16_t *const zero, const int16_t *const counts,
-                                             const uint8_t sensor) {
-    return (sensor < axis->sensors) ? ((int32_t)counts[sensor] - (int32_t)zero[sensor]) : 0;
-}
 
 /**
  * Evaluates the model without checking anything: for counts that ccgen_axis16_complete() accepts,
@@ -40,23 +31,15 @@ CCGEN_INLINE int32_t ccgen_axis16_difference(const ccgen_axis16_t *const axis,
  * \param[in] axis     valid model
  * \param[in] zero     [sensors] counts at the straight pose, each within its sensor's range
  * \param[in] counts   [sensors] counts of one snapshot, each within its sensor's range
- * \param[out] angles  [segments] angles in steps of 2^-fraction_bits rad; does not overlap inputs
+ * \param[out] angles  [segments] angles in steps of 2^-fraction_bits rad; may not overlap the
+ * inputs
  */
 CCGEN_INLINE void ccgen_axis16_evaluate(const ccgen_axis16_t *const axis, const int16_t *const zero,
                                         const int16_t *const counts, int16_t *const angles) {
-    const ccgen_differences16_t differences = {{
-        ccgen_axis16_difference(axis, zero, counts, 0),
-        ccgen_axis16_difference(axis, zero, counts, 1),
-        ccgen_axis16_difference(axis, zero, counts, 2),
-        ccgen_axis16_difference(axis, zero, counts, 3),
-        ccgen_axis16_difference(axis, zero, counts, 4),
-        ccgen_axis16_difference(axis, zero, counts, 5),
-        ccgen_axis16_difference(axis, zero, counts, 6),
-        ccgen_axis16_difference(axis, zero, counts, 7),
-    }};
-    if (!ccgen_axis16_suits(axis, &differences) ||
-        !ccgen_axis16_evaluate_fast(axis, &differences, angles)) {
-        ccgen_axis16_evaluate_any(axis, zero, counts, angles);
+    if (ccgen_fits_halves16(axis, zero, counts)) {
+        ccgen_evaluate16(axis, zero, counts, true, angles);
+    } else {
+        ccgen_evaluate16(axis, zero, counts, false, angles);
     }
 }
 

@@ -4,11 +4,11 @@
  *
  *     angle_i = saturate((bias_i + sum_j W_ij (count_j - zero_j)) >> shift)
  *
- * Accumulates in 64 bits; there is no division, float or loop over sensors. Called with a
- * `static const ccgen_axis32_t` that the compiler sees, everything that depends on the number of
- * sensors, the shift and the flags is decided at compile time. Time grows with segments times
- * sensors, and is longest, about three times the usual, when an angle reaches its limit: then
- * ccgen_axis32_evaluate_any() repeats the axis. Re-entrant; the state belongs to the caller.
+ * Accumulates in 64 bits; there is no division, float, loop over sensors or function call. Called
+ * with a `static const ccgen_axis32_t` that the compiler sees, everything that depends on the
+ * number of sensors, the shift and the flags is decided at compile time. Time grows with segments
+ * times sensors, whatever the readings but for a few instructions where an axis may saturate.
+ * Re-entrant; the state belongs to the caller.
  *
  * The exporter proves for every count within [minimum, maximum] and every zero within the same
  * bounds that differences fit 32 bits, that no intermediate sum leaves 64 bits and, where
@@ -19,22 +19,11 @@
 #define CCGEN_ESTIMATOR32_H
 
 #include "ccgen/axis32.h"
-#include "ccgen/check.h"
-#include "ccgen/error.h"
 #include "ccgen/kernel32.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/** \return count - zero of one sensor modulo 2^32, 0 where the axis has no such sensor. */
-CCGEN_INLINE int32_t ccgen_axis32_difference(const ccgen_axis32_t *const axis,
-                                             const int32_t *const zero, const int32_t *const counts,
-                                             const uint8_t sensor) {
-    return (sensor < axis->sensors)
-               ? ccgen_signed32((uint32_t)counts[sensor] - (uint32_t)zero[sensor])
-               : 0;
-}
 
 /**
  * Evaluates the model without checking anything: for counts that ccgen_axis32_complete() accepts,
@@ -47,19 +36,24 @@ CCGEN_INLINE int32_t ccgen_axis32_difference(const ccgen_axis32_t *const axis,
  */
 CCGEN_INLINE void ccgen_axis32_evaluate(const ccgen_axis32_t *const axis, const int32_t *const zero,
                                         const int32_t *const counts, int32_t *const angles) {
-    const ccgen_differences32_t differences = {{
-        ccgen_axis32_difference(axis, zero, counts, 0),
-        ccgen_axis32_difference(axis, zero, counts, 1),
-        ccgen_axis32_difference(axis, zero, counts, 2),
-        ccgen_axis32_difference(axis, zero, counts, 3),
-        ccgen_axis32_difference(axis, zero, counts, 4),
-        ccgen_axis32_difference(axis, zero, counts, 5),
-        ccgen_axis32_difference(axis, zero, counts, 6),
-        ccgen_axis32_difference(axis, zero, counts, 7),
-    }};
-    if (!ccgen_axis32_suits(axis) || !ccgen_axis32_evaluate_fast(axis, &differences, angles)) {
-        ccgen_axis32_evaluate_any(axis, zero, counts, angles);
-    }
+    const uint64_t start = (uint64_t)axis->bias + ccgen_axis32_offset(axis);
+    ccgen_factors32_t factors = {
+        (uint32_t)(start & 0xFFFFFFFFu),
+        (uint32_t)(start >> 32),
+        {
+            ccgen_axis32_difference(axis, zero, counts, 0),
+            ccgen_axis32_difference(axis, zero, counts, 1),
+            ccgen_axis32_difference(axis, zero, counts, 2),
+            ccgen_axis32_difference(axis, zero, counts, 3),
+            ccgen_axis32_difference(axis, zero, counts, 4),
+            ccgen_axis32_difference(axis, zero, counts, 5),
+            ccgen_axis32_difference(axis, zero, counts, 6),
+            ccgen_axis32_difference(axis, zero, counts, 7),
+        },
+    };
+    CCGEN_OPAQUE(factors.start_low);
+    CCGEN_OPAQUE(factors.start_high);
+    ccgen_axis32_segments(axis, &factors, angles);
 }
 
 /**

@@ -35,14 +35,4 @@ CCGEN_INLINE int16_t ccgen_high16(const uint32_t word) {
     return (int16_t)(ccgen_signed32(word) >> 16);
 }
 
-/**
- * Keeps the additions of a sum in their order. Reordered they need more registers than Thumb-1 has,
- * and separate products from the additions that are one instruction with them.
- */
-#if defined(__GNUC__) && defined(__arm__)
-#define CCGEN_IN_ORDER(sum) __asm__("" : "+r"(sum))
-#else
-#define CCGEN_IN_ORDER(sum) (void)(sum)
-#endif
-
 #endif /* CCGEN_INTEGER_H */

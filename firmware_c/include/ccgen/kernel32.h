@@ -1,163 +1,145 @@
 /**
  * \file kernel32.h
- * \brief How angle_i = (bias_i + sum_j W_ij d_j) >> shift is computed with 32-bit weights.
+ * \brief The sums and angles of estimator32.h, with one SMLAL a sensor where the core has it.
  *
- * Internal to estimator32.h. The specialised kernel is exact as long as no angle leaves its limits,
- * and says so when one does; ccgen_axis32_evaluate_any() is exact always. Sums run modulo 2^64:
- * what the exporter's proof covers is exact, and no input whatever overflows a signed type.
+ * Internal to estimator32.h. All arithmetic is modulo 2^64: sums that the exporter's proof covers
+ * are exact, and no input overflows a signed type. Same bits on every core.
  */
 #ifndef CCGEN_KERNEL32_H
 #define CCGEN_KERNEL32_H
 
 #include "ccgen/axis32.h"
-#include "ccgen/check.h"
 #include "ccgen/integer.h"
-
-/** Whether the core multiplies and adds 64 bits in one instruction (SMLAL). */
-#if defined(__GNUC__) && defined(__thumb2__)
-#define CCGEN_HAS_SMLAL 1
-#else
-#define CCGEN_HAS_SMLAL 0
-#endif
+#include "ccgen/load.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/** Differences count - zero of one snapshot, 0 for sensors that the axis has not. */
+/** What one snapshot contributes to every segment. */
 typedef struct {
-    int32_t value[CCGEN_AXIS_SENSORS_MAX];
-} ccgen_differences32_t;
+    uint32_t start_low;                         /**< what every sum begins with */
+    uint32_t start_high;
+    int32_t difference[CCGEN_AXIS_SENSORS_MAX]; /**< count - zero, 0 where there is no sensor */
+} ccgen_factors32_t;
 
-/** A sum in two halves, as cores of 32 bits have it. */
-typedef struct {
-    uint32_t low;
-    uint32_t high;
-} ccgen_sum32_t;
-
-/** Adds the product of one weight with its sensor's difference, nothing for a sensor too many. */
-CCGEN_INLINE void ccgen_axis32_add(const ccgen_axis32_t *const axis, ccgen_sum32_t *const sum,
-                                   const int32_t *const weights,
-                                   const ccgen_differences32_t *const d, const uint8_t sensor) {
-    if (sensor < axis->sensors) {
-#if CCGEN_HAS_SMLAL
-        /* Left to itself a compiler gathers the products first, and adds the bias in two steps. */
-        __asm__("smlal %0, %1, %2, %3"
-                : "+r"(sum->low), "+r"(sum->high)
-                : "r"(weights[sensor]), "r"(d->value[sensor]));
-#else
-        const uint64_t wide = (((uint64_t)sum->high << 32) | sum->low) +
-                              (uint64_t)((int64_t)weights[sensor] * d->value[sensor]);
-        sum->low = (uint32_t)(wide & 0xFFFFFFFFu);
-        sum->high = (uint32_t)(wide >> 32);
-#endif
-    }
+/** \return count - zero of one sensor modulo 2^32, 0 where the axis has no such sensor. */
+CCGEN_INLINE int32_t ccgen_axis32_difference(const ccgen_axis32_t *const axis,
+                                             const int32_t *const zero, const int32_t *const counts,
+                                             const uint8_t sensor) {
+    return (sensor < axis->sensors)
+               ? ccgen_signed32((uint32_t)counts[sensor] - (uint32_t)zero[sensor])
+               : 0;
 }
 
-#if CCGEN_HAS_SMLAL
-/** The same for all sensors of an axis of three, for which there are registers enough. */
-CCGEN_INLINE void ccgen_axis32_add_three(ccgen_sum32_t *const sum, const int32_t *const weights,
-                                         const ccgen_differences32_t *const d) {
-    __asm__("smlal %0, %1, %2, %3\n\tsmlal %0, %1, %4, %5\n\tsmlal %0, %1, %6, %7"
-            : "+&r"(sum->low), "+&r"(sum->high)
-            : "r"(weights[0]), "r"(d->value[0]), "r"(weights[1]), "r"(d->value[1]), "r"(weights[2]),
-              "r"(d->value[2]));
-}
-#endif
-
-/** \return one segment's angle times 2^shift from its bias and its row of weights. */
-CCGEN_INLINE ccgen_sum32_t ccgen_axis32_sum(const ccgen_axis32_t *const axis, const int64_t bias,
-                                            const int32_t *const weights,
-                                            const ccgen_differences32_t *const d) {
-    ccgen_sum32_t sum = {(uint32_t)((uint64_t)bias & 0xFFFFFFFFu),
-                         (uint32_t)((uint64_t)bias >> 32)};
-#if CCGEN_HAS_SMLAL
-    if (axis->sensors == 3u) {
-        ccgen_axis32_add_three(&sum, weights, d);
+/**
+ * Adds the product of one weight with its sensor's difference.
+ * Sums modulo 2^64: sums that the proof covers are exact, and no input overflows a signed type.
+ */
+CCGEN_INLINE uint64_t ccgen_axis32_add(const ccgen_axis32_t *const axis, const uint64_t sum,
+                                       const uint32_t weight,
+                                       const ccgen_factors32_t *const factors,
+                                       const uint8_t sensor) {
+    if (sensor >= axis->sensors) {
         return sum;
     }
+#if CCGEN_HAS_THUMB2_LOAD
+    uint32_t low = (uint32_t)(sum & 0xFFFFFFFFu);
+    uint32_t high = (uint32_t)(sum >> 32);
+    __asm__("smlal %0, %1, %2, %3"
+            : "+r"(low), "+r"(high)
+            : "r"(weight), "r"(factors->difference[sensor]));
+    return ((uint64_t)high << 32) | low;
+#else
+    return sum + (uint64_t)((int64_t)ccgen_signed32(weight) * factors->difference[sensor]);
 #endif
-    ccgen_axis32_add(axis, &sum, weights, d, 0);
-    ccgen_axis32_add(axis, &sum, weights, d, 1);
-    ccgen_axis32_add(axis, &sum, weights, d, 2);
-    ccgen_axis32_add(axis, &sum, weights, d, 3);
-    ccgen_axis32_add(axis, &sum, weights, d, 4);
-    ccgen_axis32_add(axis, &sum, weights, d, 5);
-    ccgen_axis32_add(axis, &sum, weights, d, 6);
-    ccgen_axis32_add(axis, &sum, weights, d, 7);
-    return sum;
 }
 
-/** \return the low 32 bits of a sum shifted to the right. */
-CCGEN_INLINE int32_t ccgen_axis32_shifted(const ccgen_axis32_t *const axis,
-                                          const ccgen_sum32_t sum) {
-    if (axis->shift == 0u) {
-        return ccgen_signed32(sum.low);
+/** \return sum and the products of sensors 2k and 2k + 1, whose weights stand at *row. */
+CCGEN_INLINE uint64_t ccgen_axis32_add_pair(const ccgen_axis32_t *const axis, const uint64_t sum,
+                                            const ccgen_factors32_t *const factors,
+                                            const uint32_t **const row, const uint8_t k) {
+    const uint8_t sensor = (uint8_t)(2u * k);
+    uint32_t first = 0;
+    uint32_t second = 0;
+    if (axis->sensors > (sensor + 1u)) {
+        ccgen_load_two(row, &first, &second);
+    } else if (axis->sensors > sensor) {
+        first = ccgen_load(row);
+    } else {
+        return sum;
     }
-    if (axis->shift < 32u) {
-        return ccgen_signed32((sum.low >> axis->shift) | (sum.high << (32u - axis->shift)));
-    }
-    return ccgen_signed32(sum.high) >> (axis->shift - 32u);
+    const uint64_t half = ccgen_axis32_add(axis, sum, first, factors, sensor);
+    return ccgen_axis32_add(axis, half, second, factors, (uint8_t)(sensor + 1u));
+}
+
+/** \return what sums of a saturating axis are too high by: 2^31 steps. */
+CCGEN_INLINE uint64_t ccgen_axis32_offset(const ccgen_axis32_t *const axis) {
+    return axis->saturates ? ((uint64_t)0x80000000u << axis->shift) : 0u;
 }
 
 /**
- * Evaluates a model for any angles: the way of the rare cases. Not specialised, so one copy serves
- * all models. Parameters as ccgen_axis32_evaluate().
+ * Turns a sum into an angle.
+ * A saturating axis's sum is 2^31 steps high. The sum's magnitude is below 2^63 and 2^31 steps are
+ * at most 2^63: what lies below the range wraps to numbers above it and never into it, so that the
+ * upper word alone tells what lies outside. The lowest pattern is clipped to the lowest angle.
  */
-void ccgen_axis32_evaluate_any(const ccgen_axis32_t *axis, const int32_t *zero,
-                               const int32_t *counts, int32_t *angles);
-
-/** \return whether the kernel notices every angle beyond its limit, or none is possible. */
-CCGEN_INLINE bool ccgen_axis32_suits(const ccgen_axis32_t *const axis) {
-    return !axis->saturates || ((axis->shift >= 1u) && (axis->shift <= 32u));
-}
-
-/**
- * Writes the angle of one segment.
- * \param[in,out] excess  gathers the bits by which the sums' upper halves differ from their sign:
- *                        all angles fit 32 bits when none reaches bit shift - 1
- * \return false when the angle is the value that means "no reading"
- */
-CCGEN_INLINE bool ccgen_axis32_put(const ccgen_axis32_t *const axis, const ccgen_sum32_t sum,
-                                   int32_t *const to, uint32_t *const excess) {
-    const int32_t angle = ccgen_axis32_shifted(axis, sum);
-    *to = angle;
-    if (axis->saturates) {
-        const int32_t high = ccgen_signed32(sum.high);
-        *excess |= (uint32_t)(high ^ (high >> 31));
-        return angle != INT32_MIN;
+CCGEN_INLINE int32_t ccgen_axis32_angle(const ccgen_axis32_t *const axis, const uint64_t sum) {
+    if (!axis->saturates) {
+        const uint64_t angle = (uint64_t)(ccgen_signed64(sum) >> axis->shift);
+        return ccgen_signed32((uint32_t)(angle & 0xFFFFFFFFu));
     }
-    return true;
+    uint32_t steps = (uint32_t)((sum >> axis->shift) & 0xFFFFFFFFu);
+    if (CCGEN_RARELY((sum >> 32) >= ((uint64_t)1 << axis->shift))) {
+        const uint64_t without = sum - ccgen_axis32_offset(axis);
+        steps = (without > (uint64_t)INT64_MAX) ? 0u : 0xFFFFFFFFu;
+    }
+    steps = (steps == 0u) ? 1u : steps;
+    return ccgen_signed32(steps ^ 0x80000000u);
 }
 
-/** The specialised kernel. \return whether all angles are exact */
-CCGEN_INLINE bool ccgen_axis32_evaluate_fast(const ccgen_axis32_t *const axis,
-                                             const ccgen_differences32_t *const d,
-                                             int32_t *const angles) {
-    const int64_t *bias = axis->bias;
-    const int32_t *weights = axis->weights;
+/** Estimates segment k of a turn from its row at *row, which moves on to the next. */
+CCGEN_INLINE void ccgen_axis32_segment(const ccgen_axis32_t *const axis,
+                                       const ccgen_factors32_t *const factors,
+                                       const uint32_t **const row, const int64_t *const biases,
+                                       int32_t *const angles, const uint8_t k) {
+    uint64_t sum = ((uint64_t)factors->start_high << 32) | factors->start_low;
+    if (axis->biases != NULL) {
+        sum += (uint64_t)biases[k];
+    }
+    sum = ccgen_axis32_add_pair(axis, sum, factors, row, 0);
+    sum = ccgen_axis32_add_pair(axis, sum, factors, row, 1);
+    sum = ccgen_axis32_add_pair(axis, sum, factors, row, 2);
+    sum = ccgen_axis32_add_pair(axis, sum, factors, row, 3);
+    angles[k] = ccgen_axis32_angle(axis, sum);
+}
+
+/** Estimates all segments: four a turn, three, two or one, as their number divides. */
+CCGEN_INLINE void ccgen_axis32_segments(const ccgen_axis32_t *const axis,
+                                        const ccgen_factors32_t *const factors,
+                                        int32_t *const angles) {
+    const uint16_t turn = ccgen_turn(axis->segments);
+    const uint32_t *row = (const uint32_t *)axis->weights; /* the unsigned type may alias */
+    const int64_t *biases = axis->biases;
     int32_t *angle = angles;
-    uint32_t excess = 0;
-    if ((axis->segments % 2u) != 0u) {
-        if (!ccgen_axis32_put(axis, ccgen_axis32_sum(axis, bias[0], weights, d), angle, &excess)) {
-            return false;
+    const int32_t *end = angles + axis->segments;
+    CCGEN_OPAQUE(end); /* or else short loops are unrolled whole */
+    do {
+        ccgen_axis32_segment(axis, factors, &row, biases, angle, 0);
+        if (turn > 1u) {
+            ccgen_axis32_segment(axis, factors, &row, biases, angle, 1);
         }
-        ++angle;
-        ++bias;
-        weights += axis->sensors;
-    }
-    for (uint16_t i = 0; i < (axis->segments / 2u); ++i) {
-        const int32_t *const next = weights + axis->sensors;
-        if (!ccgen_axis32_put(axis, ccgen_axis32_sum(axis, bias[0], weights, d), &angle[0],
-                              &excess) ||
-            !ccgen_axis32_put(axis, ccgen_axis32_sum(axis, bias[1], next, d), &angle[1], &excess)) {
-            return false;
+        if (turn > 2u) {
+            ccgen_axis32_segment(axis, factors, &row, biases, angle, 2);
         }
-        angle += 2;
-        bias += 2;
-        weights = next + axis->sensors;
-    }
-    return !axis->saturates || ((excess >> (axis->shift - 1u)) == 0u);
+        if (turn > 3u) {
+            ccgen_axis32_segment(axis, factors, &row, biases, angle, 3);
+        }
+        if (axis->biases != NULL) {
+            biases += turn;
+        }
+        angle += turn;
+    } while (angle != end);
 }
 
 #ifdef __cplusplus

@@ -6,49 +6,55 @@
 static const int16_t u_minimum[3] = {-10000, -9000, -10000};
 static const int16_t u_maximum[3] = {10000, 12000, 10000};
 static const int16_t u_zero[3] = {12, -7, 0};
-static const uint32_t u_rows[SAMPLE_SEGMENTS * 3] = {
-    CCGEN_BIAS(-2152), CCGEN_PAIR(7547, 1673),  CCGEN_PAIR(-5402, 0),
-    CCGEN_BIAS(-1452), CCGEN_PAIR(8333, 3708),  CCGEN_PAIR(-3579, 0),
-    CCGEN_BIAS(-752),  CCGEN_PAIR(8600, 5513),  CCGEN_PAIR(-1533, 0),
-    CCGEN_BIAS(-52),   CCGEN_PAIR(8333, 6974),  CCGEN_PAIR(608, 0),
-    CCGEN_BIAS(648),   CCGEN_PAIR(7547, 8002),  CCGEN_PAIR(2712, 0),
-    CCGEN_BIAS(1348),  CCGEN_PAIR(6293, 8533),  CCGEN_PAIR(4647, 0),
-    CCGEN_BIAS(2048),  CCGEN_PAIR(4647, 8533),  CCGEN_PAIR(6293, 0),
-    CCGEN_BIAS(2748),  CCGEN_PAIR(2712, 8002),  CCGEN_PAIR(7547, 0),
-    CCGEN_BIAS(3448),  CCGEN_PAIR(608, 6974),   CCGEN_PAIR(8333, 0),
-    CCGEN_BIAS(4148),  CCGEN_PAIR(-1533, 5513), CCGEN_PAIR(8600, 0),
-    CCGEN_BIAS(4848),  CCGEN_PAIR(-3579, 3708), CCGEN_PAIR(8333, 0),
-    CCGEN_BIAS(5548),  CCGEN_PAIR(-5402, 1673), CCGEN_PAIR(7547, 0),
+static const int32_t u_biases[SAMPLE_SEGMENTS] = {
+    0, 700, 1400, 2100, 2800, 3500, 4200, 4900, 5600, 6300, 7000, 7700,
+};
+static const uint32_t u_rows[SAMPLE_SEGMENTS * 2] = {
+    CCGEN_PAIR(7547, 1673), CCGEN_PAIR(-5402, 0),
+    CCGEN_PAIR(8333, 3708), CCGEN_PAIR(-3579, 0),
+    CCGEN_PAIR(8600, 5513), CCGEN_PAIR(-1533, 0),
+    CCGEN_PAIR(8333, 6974), CCGEN_PAIR(608, 0),
+    CCGEN_PAIR(7547, 8002), CCGEN_PAIR(2712, 0),
+    CCGEN_PAIR(6293, 8533), CCGEN_PAIR(4647, 0),
+    CCGEN_PAIR(4647, 8533), CCGEN_PAIR(6293, 0),
+    CCGEN_PAIR(2712, 8002), CCGEN_PAIR(7547, 0),
+    CCGEN_PAIR(608, 6974), CCGEN_PAIR(8333, 0),
+    CCGEN_PAIR(-1533, 5513), CCGEN_PAIR(8600, 0),
+    CCGEN_PAIR(-3579, 3708), CCGEN_PAIR(8333, 0),
+    CCGEN_PAIR(-5402, 1673), CCGEN_PAIR(7547, 0),
 };
 
 static const int16_t v_minimum[3] = {-20000, -20000, -20000};
 static const int16_t v_maximum[3] = {20000, 20000, 20000};
 static const int16_t v_zero[3] = {0, 0, 0};
 /* clang-format off */
-static const uint32_t v_rows[SAMPLE_SEGMENTS * 3] = {
-    CCGEN_BIAS(3848),  CCGEN_PAIR(921, 204),  CCGEN_PAIR(-660, 0),
-    CCGEN_BIAS(3548),  CCGEN_PAIR(1017, 453), CCGEN_PAIR(-437, 0),
-    CCGEN_BIAS(3248),  CCGEN_PAIR(1050, 673), CCGEN_PAIR(-187, 0),
-    CCGEN_BIAS(2948),  CCGEN_PAIR(1017, 852), CCGEN_PAIR(74, 0),
-    CCGEN_BIAS(2648),  CCGEN_PAIR(921, 977),  CCGEN_PAIR(331, 0),
-    CCGEN_BIAS(2348),  CCGEN_PAIR(768, 1042), CCGEN_PAIR(567, 0),
-    CCGEN_BIAS(2048),  CCGEN_PAIR(567, 1042), CCGEN_PAIR(768, 0),
-    CCGEN_BIAS(1748),  CCGEN_PAIR(331, 977),  CCGEN_PAIR(921, 0),
-    CCGEN_BIAS(1448),  CCGEN_PAIR(74, 852),   CCGEN_PAIR(1017, 0),
-    CCGEN_BIAS(1148),  CCGEN_PAIR(-187, 673), CCGEN_PAIR(1050, 0),
-    CCGEN_BIAS(848),   CCGEN_PAIR(-437, 453), CCGEN_PAIR(1017, 0),
-    CCGEN_BIAS(548),   CCGEN_PAIR(-660, 204), CCGEN_PAIR(921, 0),
+static const int32_t v_biases[SAMPLE_SEGMENTS] = {
+    0, -300, -600, -900, -1200, -1500, -1800, -2100, -2400, -2700, -3000, -3300,
+};
+static const uint32_t v_rows[SAMPLE_SEGMENTS * 2] = {
+    CCGEN_PAIR(921, 204), CCGEN_PAIR(-660, 0),
+    CCGEN_PAIR(1017, 453), CCGEN_PAIR(-437, 0),
+    CCGEN_PAIR(1050, 673), CCGEN_PAIR(-187, 0),
+    CCGEN_PAIR(1017, 852), CCGEN_PAIR(74, 0),
+    CCGEN_PAIR(921, 977), CCGEN_PAIR(331, 0),
+    CCGEN_PAIR(768, 1042), CCGEN_PAIR(567, 0),
+    CCGEN_PAIR(567, 1042), CCGEN_PAIR(768, 0),
+    CCGEN_PAIR(331, 977), CCGEN_PAIR(921, 0),
+    CCGEN_PAIR(74, 852), CCGEN_PAIR(1017, 0),
+    CCGEN_PAIR(-187, 673), CCGEN_PAIR(1050, 0),
+    CCGEN_PAIR(-437, 453), CCGEN_PAIR(1017, 0),
+    CCGEN_PAIR(-660, 204), CCGEN_PAIR(921, 0),
 };
 /* clang-format on */
 
 static const ccgen_axis16_t u_axis = {
     SAMPLE_SEGMENTS, SAMPLE_SENSORS_U, 12,     SAMPLE_FRACTION_BITS_U, true, true, u_minimum,
-    u_maximum,       u_zero,           u_rows,
+    u_maximum,       u_zero, -2152, u_biases, u_rows,
 };
 
 static const ccgen_axis16_t v_axis = {
     SAMPLE_SEGMENTS, SAMPLE_SENSORS_V, 12,     SAMPLE_FRACTION_BITS_V, false, false, v_minimum,
-    v_maximum,       v_zero,           v_rows,
+    v_maximum,       v_zero, 3848, v_biases, v_rows,
 };
 
 int sample_init(sample_t *const joint) {

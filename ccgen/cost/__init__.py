@@ -1,0 +1,1 @@
+"""What an exported folder costs on a microcontroller: flash, RAM, stack and instructions."""

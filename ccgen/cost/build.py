@@ -1,0 +1,85 @@
+"""Compiles an exported folder with its harness for a target, as it would be in a product."""
+
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ccgen.cost import harness
+from ccgen.cost.link import link, run
+from ccgen.verify.build import sources
+from ccgen.verify.exported import Exported
+from ccgen.verify.targets.cross import Core
+
+LEVEL = "-O2"
+FLAGS = (
+    LEVEL, "-std=c99", "-ffunction-sections", "-fdata-sections", "-ffp-contract=off",
+    "-fstack-usage",
+)  # fmt: skip
+
+CALLS = ("estimate", "tip_pose", "node_receive", "node_transmit")
+"""Functions that are measured, without the joint's name."""
+
+_VARIABLES = ("counts", "frames", "joint", "angles", "pose", "node", "frame")
+
+
+@dataclass(frozen=True)
+class Built:
+    """A linked program.
+
+    Attributes:
+        program: the ELF file.
+        map: the linker's.
+        folder: where the compiler wrote the frames of functions.
+        disassembly: what objdump prints of the program.
+        state_bytes: size of the node's state, which the caller owns.
+    """
+
+    program: Path
+    map: Path
+    folder: Path
+    disassembly: str
+    state_bytes: int
+
+
+def build(exported: Exported, core: Core, folder: Path) -> Built:
+    """Compile every file to an object named after it, and link what the calls need.
+
+    Raises:
+        ToolError: the compiler or the linker does not accept the folder.
+    """
+    joint = exported.joint.name
+    main = folder / "harness.c"
+    main.write_text(harness.source(exported), encoding="utf-8")
+    compiler = [*core.compile, *FLAGS, f"-I{exported.directory / 'src'}"]
+    objects = []
+    for file in (*sources(exported.directory), main):
+        objects.append(folder / f"{file.stem}.o")
+        run([*compiler, "-c", str(file), "-o", str(objects[-1])])
+    roots = [
+        *(f"{joint}_{call}" for call in (*CALLS, "init", "node_init")),
+        *(f"cost_{variable}" for variable in _VARIABLES),
+    ]
+    program = folder / "cost.elf"
+    if core.name == "avr":
+        mapped = f"-Wl,--gc-sections,-Map={program.with_suffix('.map')}"
+        run([*compiler, *map(str, objects), mapped, "-o", str(program)])
+    else:
+        link(compiler, objects, roots, program)
+    prefix = core.compile[0].removesuffix("gcc")
+    return Built(
+        program=program,
+        map=program.with_suffix(".map"),
+        folder=folder,
+        disassembly=_output([f"{prefix}objdump", "-d", str(program)]),
+        state_bytes=_size_of("cost_node", _output([f"{prefix}nm", "-S", str(program)])),
+    )
+
+
+def _output(command: Sequence[str]) -> str:
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def _size_of(symbol: str, listing: str) -> int:
+    lines = (line.split() for line in listing.splitlines())
+    return next(int(words[1], 16) for words in lines if words[-1] == symbol)

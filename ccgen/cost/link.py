@@ -1,0 +1,56 @@
+"""Links a program for the emulator: tables and code from 64 KB on, variables at its RAM."""
+
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+from ccgen.cost.emulator import RAM
+from ccgen.errors import ToolError
+
+SCRIPT = f"""\
+SECTIONS
+{{
+    .text 0x10000 : {{ *(.text .text.*) }}
+    .rodata : {{ *(.rodata .rodata.* .srodata .srodata.*) }}
+    .ARM.exidx : {{ *(.ARM.exidx .ARM.exidx.*) }}
+    .data {RAM:#x} : {{ *(.data .data.* .sdata .sdata.*) }}
+    .bss : {{ *(.bss .bss.* .sbss .sbss.* COMMON) }}
+    /DISCARD/ : {{ *(.ARM.attributes .comment .eh_frame) }}
+}}
+"""
+
+
+def link(
+    compiler: Sequence[str], files: Sequence[str | Path], roots: Sequence[str], target: Path
+) -> Path:
+    """Compile and link a program without start-up code.
+
+    Args:
+        compiler: the compiler and all of its flags.
+        files: sources and objects.
+        roots: symbols to keep, with everything that they use.
+        target: the program to write; the linker's script and map are written beside it.
+
+    Raises:
+        ToolError: the compiler or the linker does not accept the files.
+    """
+    script = target.with_suffix(".ld")
+    script.write_text(SCRIPT)
+    linker = ["-nostartfiles", f"-T{script}", f"-Wl,-Map={target.with_suffix('.map')}"]
+    linker += ["-Wl,--gc-sections", *(f"-Wl,--undefined={root}" for root in roots)]
+    command = [*compiler, *map(str, files), *linker, "-o", str(target)]
+    run(command)
+    return target
+
+
+def run(command: Sequence[str]) -> None:
+    """Run a compiler.
+
+    Raises:
+        ToolError: it fails; with its first message.
+    """
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        lines = done.stderr.strip().splitlines()
+        telling = next((line for line in lines if "error" in line), lines[-1] if lines else "")
+        raise ToolError(f"{command[0]}: {telling}")
