@@ -8,6 +8,7 @@ import typer
 
 from ccgen import __version__
 from ccgen.cli.bridge import bridge
+from ccgen.cli.cost import cost
 from ccgen.cli.export import export
 from ccgen.cli.failures import Debug, in_one_line
 from ccgen.cli.fit import fit
@@ -31,6 +32,7 @@ app.command()(in_one_line(simulate))
 app.command()(in_one_line(fit))
 app.command()(in_one_line(export))
 app.command()(in_one_line(verify))
+app.command()(in_one_line(cost))
 app.command()(in_one_line(bridge))
 app.command()(in_one_line(place))
 app.command()(in_one_line(reproduce))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ccgen import FORMAT_VERSION, __version__
 from ccgen.errors import InputError
+from ccgen.outputs import write_file
 
 FILE_NAME = "manifest.json"
 
@@ -48,6 +49,20 @@ def read_manifest(directory: Path) -> dict[str, str]:
         ) from error
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{path}: damaged ({error}); export the joint again") from error
+
+
+def replace_file(directory: Path, path: str, content: bytes) -> None:
+    """Replace a listed file, and its fingerprint in the manifest.
+
+    Raises:
+        InputError: the folder has no manifest of ccgen's, or cannot be written.
+    """
+    read_manifest(directory)
+    manifest = directory / FILE_NAME
+    record = json.loads(manifest.read_text(encoding="utf-8"))
+    record["files"][path] = hashlib.sha256(content).hexdigest()
+    write_file(directory / path, content)
+    write_file(manifest, (json.dumps(record, indent=1) + "\n").encode("utf-8"))
 
 
 def foreign_files(directory: Path) -> list[str]:

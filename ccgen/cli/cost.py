@@ -1,0 +1,125 @@
+"""`ccgen cost`: flash, RAM, stack and instructions on microcontrollers."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ccgen.cli.output import note, print_json, results
+from ccgen.errors import ToolError
+
+if TYPE_CHECKING:
+    from ccgen.cost.measure import Cost
+    from ccgen.verify.exported import Exported
+
+
+def cost(
+    directory: Annotated[Path, typer.Argument(help="A folder that `ccgen export` wrote.")],
+    target: Annotated[
+        list[str] | None,
+        typer.Option(help="A core; may be given several times.  [default: all with their tools]"),
+    ] = None,
+    max_flash: Annotated[
+        int | None, typer.Option(min=0, metavar="N", help="Budget: bytes of code and constants.")
+    ] = None,
+    max_ram: Annotated[
+        int | None, typer.Option(min=0, metavar="N", help="Budget: bytes without stack.")
+    ] = None,
+    max_stack: Annotated[
+        int | None, typer.Option(min=0, metavar="N", help="Budget: bytes, worst case.")
+    ] = None,
+    max_instructions: Annotated[
+        int | None,
+        typer.Option(min=0, metavar="N", help="Budget of one estimate of both axes; AVR: cycles."),
+    ] = None,
+    write: Annotated[
+        bool, typer.Option("--write", help="Put the table into the folder's README.md.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Tell what a folder costs on each core: compiled for it, and counted exactly.
+
+    \b
+    Cores: cortex-m0, cortex-m3, cortex-m4, cortex-m7, riscv32, avr. What is over a budget ends
+    with status 1.
+
+    \b
+    Example:
+      ccgen cost firmware/shoulder --target cortex-m4 --max-flash 16384
+    """
+    from ccgen.cost.budget import Budget, excesses
+    from ccgen.verify.exported import open_exported
+
+    exported = open_exported(directory)
+    costs = _measure(exported, target)
+    if write:
+        from ccgen.cost.readme import write_table
+
+        write_table(exported, costs)
+        note(f"wrote the table into {directory / 'README.md'}")
+    if as_json:
+        print_json({"targets": [one.record() for one in costs]})
+    else:
+        _show(costs)
+    over = list(excesses(costs, Budget(max_flash, max_ram, max_stack, max_instructions)))
+    for line in over:
+        note(f"over budget: {line}")
+    if over:
+        raise typer.Exit(1)
+
+
+def _measure(exported: "Exported", chosen: list[str] | None) -> "list[Cost]":
+    """Costs of the chosen targets, or of all whose tools are there; says which are left out."""
+    try:
+        import elftools  # noqa: F401
+        import unicorn  # noqa: F401
+    except ImportError as error:
+        raise ToolError(
+            f"counting needs {error.name}; install it with `pip install 'ccgen[cost]'`"
+        ) from error
+    from ccgen.cost.measure import TARGETS, measure, missing_tools
+
+    costs = []
+    for target in dict.fromkeys(chosen or TARGETS):
+        missing = " ".join(missing_tools(target))
+        if missing:
+            message = f"{target}: needs {missing}; install with `apt-get install {missing}`"
+            if chosen:
+                raise ToolError(message)
+            note(f"left out: {message}")
+        else:
+            costs.append(measure(exported, target))
+    if not costs:
+        raise ToolError("no target is left to measure")
+    return costs
+
+
+def _show(costs: "Sequence[Cost]") -> None:
+    from rich.table import Table
+
+    from ccgen.cost.build import LEVEL
+
+    columns: dict[str, Callable[[Cost], int]] = {
+        "code": lambda c: c.code_bytes,
+        "constants": lambda c: c.constant_bytes,
+        "RAM": lambda c: c.ram_bytes,
+        "stack": lambda c: c.stack_bytes,
+        "estimate": lambda c: c.times.estimate,
+        "tip pose": lambda c: c.times.tip_pose,
+        "frame": lambda c: c.times.frame,
+        "snapshot": lambda c: c.times.snapshot,
+    }
+    table = Table(box=None, pad_edge=False)
+    table.add_column("target", no_wrap=True)
+    for title in columns:
+        table.add_column(title, justify="right", no_wrap=True)
+    for one in costs:
+        table.add_row(one.target, *(f"{read(one):,}" for read in columns.values()))
+    console = results()
+    console.print(table)
+    console.print(
+        f"Bytes of a whole node with the compiler's own functions, {LEVEL}: flash is code and "
+        "constants, RAM is without stack. Instructions at most; on AVR cycles.",
+        soft_wrap=True,
+    )

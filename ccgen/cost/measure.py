@@ -1,0 +1,149 @@
+"""What an exported folder costs on one target."""
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ccgen.cost import stack
+from ccgen.cost.build import CALLS, LEVEL, build
+from ccgen.cost.instructions import Times, count
+from ccgen.cost.size import Size, read_map
+from ccgen.errors import CheckError
+from ccgen.verify.exported import Exported
+from ccgen.verify.targets.cross import CORES, Core, Tool, core_named
+
+TARGETS = tuple(CORES)
+"""Names of the targets."""
+
+_EMULATORS = ("qemu-system-arm", "qemu-system-misc")
+"""Packages that running firmware takes and counting does not."""
+
+_AVR_RETURN = 2
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Cost of one folder on one target, compiled with `LEVEL`.
+
+    Attributes:
+        target: its name.
+        parts: bytes by part; the node includes the runtime, the library is the compiler's.
+        state_bytes: RAM that the caller owns for a whole node: state, counts, angles.
+        constants_in_ram: whether tables stand in RAM as well.
+        stacks: worst case of each call, bytes.
+        times: the most that each call took.
+    """
+
+    target: str
+    parts: dict[str, Size]
+    state_bytes: int
+    constants_in_ram: bool
+    stacks: dict[str, int]
+    times: Times
+
+    @property
+    def code_bytes(self) -> int:
+        """Code of a whole node."""
+        return sum(part.code for part in self.parts.values())
+
+    @property
+    def constant_bytes(self) -> int:
+        """Constants of a whole node."""
+        return sum(part.constants for part in self.parts.values())
+
+    @property
+    def flash_bytes(self) -> int:
+        """Code and constants of a whole node."""
+        return self.code_bytes + self.constant_bytes
+
+    @property
+    def ram_bytes(self) -> int:
+        """RAM of a whole node without its stack."""
+        held = sum(part.variables for part in self.parts.values())
+        return self.state_bytes + held + (self.constant_bytes if self.constants_in_ram else 0)
+
+    @property
+    def stack_bytes(self) -> int:
+        """Worst case of all calls."""
+        return max(self.stacks.values())
+
+    def record(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        unit = self.times.unit
+        return {
+            "target": self.target,
+            "optimisation": LEVEL,
+            "flash_bytes": self.flash_bytes,
+            "code_bytes": self.code_bytes,
+            "constant_bytes": self.constant_bytes,
+            "ram_bytes": self.ram_bytes,
+            "stack_bytes": self.stack_bytes,
+            "unit": unit,
+            f"{unit}_per_estimate": self.times.estimate,
+            f"{unit}_per_tip_pose": self.times.tip_pose,
+            f"{unit}_per_frame": self.times.frame,
+            f"{unit}_per_snapshot": self.times.snapshot,
+            "parts": {
+                name: {"code_bytes": part.code, "constant_bytes": part.constants}
+                for name, part in self.parts.items()
+            },
+            "stacks": self.stacks,
+        }
+
+
+def missing_tools(target: str) -> list[str]:
+    """Debian packages that measuring needs and that are not installed.
+
+    Raises:
+        InputError: unknown target.
+    """
+    return list(dict.fromkeys(t.package for t in _tools(core_named(target)) if not t.present()))
+
+
+def measure(exported: Exported, target: str) -> Cost:
+    """Compile a folder for a target and count.
+
+    Raises:
+        InputError: unknown target.
+        ToolError: a tool is missing or does not accept the folder.
+        CheckError: no bound of the stack can be given, or a call fails.
+    """
+    core = core_named(target)
+    with tempfile.TemporaryDirectory(prefix="ccgen-") as name:
+        folder = Path(name)
+        built = build(exported, core, folder)
+        functions = stack.read_disassembly(built.disassembly, _AVR_RETURN if target == "avr" else 0)
+        frames = stack.read_frames(folder)
+        joint = exported.joint.name
+        stacks = {
+            call: stack.worst_case(f"{joint}_{call}", functions, frames)[0]
+            for call in (*CALLS, "node_init")
+        }
+        times = _times(exported, target, built.program, folder, max(stacks.values()))
+        return Cost(
+            target=target,
+            parts=read_map(built.map, joint),
+            state_bytes=built.state_bytes,
+            constants_in_ram=not core.constants_in_flash,
+            stacks=stacks,
+            times=times,
+        )
+
+
+def _times(exported: Exported, target: str, program: Path, folder: Path, bound: int) -> Times:
+    if target == "avr":
+        from ccgen.cost import avr
+
+        return avr.cycles(program, folder)
+    from ccgen.cost.emulator import CORES as EMULATED
+    from ccgen.cost.emulator import Program
+
+    times, seen = count(exported, Program(program, EMULATED[target]))
+    if seen > bound:
+        raise CheckError(f"{target}: {seen} bytes of stack seen, more than the bound of {bound}")
+    return times
+
+
+def _tools(core: Core) -> tuple[Tool, ...]:
+    return tuple(tool for tool in core.tools if tool.package not in _EMULATORS)

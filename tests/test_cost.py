@@ -1,0 +1,158 @@
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from ccgen.cli.main import app
+from ccgen.cost import measure as measuring
+from ccgen.cost.budget import Budget, excesses
+from ccgen.cost.measure import measure
+from ccgen.cost.readme import BEGIN, END
+from ccgen.cost.stack import read_disassembly, read_frames, worst_case
+from ccgen.errors import CheckError
+from ccgen.export.manifest import changed_files
+from ccgen.export.package import export
+from ccgen.verify.exported import open_exported
+
+ROOT = Path(__file__).resolve().parent.parent
+TARGETS = ("cortex-m0", "cortex-m4", "riscv32", "avr")
+
+
+@pytest.fixture(scope="module")
+def shoulder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("cost") / "shoulder"
+    export(ROOT / "examples" / "shoulder.toml", folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def costs(shoulder):
+    exported = open_exported(shoulder)
+    return {target: measure(exported, target) for target in TARGETS}
+
+
+def run(*arguments):
+    result = CliRunner().invoke(app, ["cost", *map(str, arguments)])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_every_core_is_measured_whole(costs, target):
+    cost = costs[target]
+    record = cost.record()
+    assert record["flash_bytes"] == record["code_bytes"] + record["constant_bytes"]
+    assert all(cost.parts[part].code > 0 for part in ("estimator", "kinematics", "node"))
+    assert all(part.variables == 0 for part in cost.parts.values()), "no globals"
+    assert 0 < cost.times.frame < cost.times.snapshot
+    assert cost.times.estimate + cost.times.tip_pose < cost.times.snapshot
+    assert record["unit"] == ("cycles" if target == "avr" else "instructions")
+
+
+def test_a_core_that_reads_tables_from_ram_needs_ram_for_them(costs):
+    avr, arm = costs["avr"], costs["cortex-m0"]
+    assert avr.ram_bytes == avr.state_bytes + avr.constant_bytes
+    assert arm.ram_bytes == arm.state_bytes
+
+
+def test_the_same_folder_costs_the_same_again(shoulder, costs):
+    assert measure(open_exported(shoulder), "cortex-m4") == costs["cortex-m4"]
+
+
+def test_floats_in_software_cost_instructions_and_a_library(costs):
+    soft, hard = costs["cortex-m0"], costs["cortex-m4"]
+    assert soft.times.tip_pose > 10 * hard.times.tip_pose
+    assert soft.parts["library"].code > hard.parts["library"].code
+
+
+def test_the_estimator_on_cortex_m0_fits_a_kilobyte(costs):
+    assert costs["cortex-m0"].parts["estimator"].code <= 1024
+
+
+def test_budgets_name_target_what_and_by_how_much(costs):
+    cost = costs["cortex-m0"]
+    held = Budget(cost.flash_bytes, cost.ram_bytes, cost.stack_bytes, cost.times.estimate)
+    assert list(excesses([cost], held)) == []
+    flash, stack, estimate = cost.flash_bytes - 7, cost.stack_bytes - 1, cost.times.estimate - 2
+    assert list(excesses([cost], Budget(flash, None, stack, estimate))) == [
+        f"cortex-m0: flash: {flash + 7} bytes, 7 over the budget of {flash}",
+        f"cortex-m0: stack: {stack + 1} bytes, 1 over the budget of {stack}",
+        f"cortex-m0: one estimate: {estimate + 2} instructions, 2 over the budget of {estimate}",
+    ]
+
+
+def test_over_budget_ends_with_status_1(shoulder):
+    result = run(shoulder, "--target", "cortex-m3", "--max-flash", "100", "--json")
+    assert result.exit_code == 1
+    assert "over budget: cortex-m3: flash: " in result.stderr
+    (target,) = json.loads(result.stdout)["targets"]
+    assert {"flash_bytes", "ram_bytes", "stack_bytes", "instructions_per_estimate"} <= set(target)
+
+
+def test_the_table_in_the_readme_is_replaced_and_counts_as_exported(shoulder, tmp_path):
+    folder = Path(shutil.copytree(shoulder, tmp_path / "shoulder"))
+    for target in ("cortex-m4", "cortex-m3"):
+        assert run(folder, "--target", target, "--write").exit_code == 0
+        text = (folder / "README.md").read_text()
+        assert (text.count(BEGIN), text.count(END)) == (1, 1)
+        assert f"\n| {target} | " in text
+        assert changed_files(folder) == []
+    assert "| cortex-m4 | " not in text
+
+
+def test_targets_without_their_tools_are_left_out_by_name(shoulder, monkeypatch):
+    present = measuring.missing_tools
+    monkeypatch.setattr(
+        measuring, "missing_tools", lambda t: present(t) if t == "cortex-m4" else ["gcc-nowhere"]
+    )
+    result = run(shoulder)
+    assert result.exit_code == 0
+    assert "left out: avr: needs gcc-nowhere; install with `apt-get" in result.stderr
+    assert "\ncortex-m4 " in result.stdout
+    chosen = run(shoulder, "--target", "avr")
+    assert chosen.exit_code == 2
+    assert "avr: needs gcc-nowhere" in chosen.stderr
+
+
+def test_an_unknown_target_is_refused(shoulder):
+    result = run(shoulder, "--target", "z80")
+    assert result.exit_code == 2
+    assert "--target z80: unknown; known: cortex-m0" in result.stderr
+
+
+DISASSEMBLY = """
+00010000 <outer>:
+   10000:\tb510      \tpush\t{r4, lr}
+   10002:\tf7ff fffe \tbl\t10010 <inner>
+   10006:\tbd10      \tpop\t{r4, pc}
+
+00010010 <inner>:
+   10010:\tb5f0      \tpush\t{r4, r5, r6, r7, lr}
+   10012:\tb083      \tsub\tsp, #12
+"""
+
+
+def test_frames_of_the_library_come_from_its_instructions():
+    functions = read_disassembly(DISASSEMBLY)
+    assert worst_case("outer", functions, {"outer": 24}) == (24 + 32, ("outer", "inner"))
+    assert worst_case("outer", functions, {}) == (8 + 32, ("outer", "inner"))
+
+
+def test_recursion_and_calls_through_pointers_have_no_bound():
+    looped = DISASSEMBLY + "   10014:\tf7ff fffe \tbl\t10000 <outer>\n"
+    frames = {"outer": 8, "inner": 32}
+    with pytest.raises(CheckError, match="recursion"):
+        worst_case("outer", read_disassembly(looped), frames)
+    pointed = DISASSEMBLY + "   10014:\t4798      \tblx\tr3\n"
+    with pytest.raises(CheckError, match="through a pointer"):
+        worst_case("outer", read_disassembly(pointed), frames)
+
+
+def test_frames_known_at_run_time_only_are_refused(tmp_path):
+    (tmp_path / "a.su").write_text("a.c:3:5:fixed\t24\tstatic\n")
+    assert read_frames(tmp_path) == {"fixed": 24}
+    (tmp_path / "b.su").write_text("b.c:9:5:varying\t24\tdynamic\n")
+    with pytest.raises(CheckError, match="varying: its frame is dynamic"):
+        read_frames(tmp_path)
