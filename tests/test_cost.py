@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ccgen.cli.main import app
-from ccgen.cost import measure as measuring
+from ccgen.cost import cores
 from ccgen.cost.budget import Budget, excesses
 from ccgen.cost.measure import measure
 from ccgen.cost.readme import BEGIN, END
@@ -17,7 +17,7 @@ from ccgen.export.package import export
 from ccgen.verify.exported import open_exported
 
 ROOT = Path(__file__).resolve().parent.parent
-TARGETS = ("cortex-m0", "cortex-m4", "riscv32", "avr")
+TARGETS = ("host", "cortex-m0", "cortex-m4", "riscv32", "avr")
 
 
 @pytest.fixture(scope="module")
@@ -103,9 +103,9 @@ def test_the_table_in_the_readme_is_replaced_and_counts_as_exported(shoulder, tm
 
 
 def test_targets_without_their_tools_are_left_out_by_name(shoulder, monkeypatch):
-    present = measuring.missing_tools
+    present = cores.missing_tools
     monkeypatch.setattr(
-        measuring, "missing_tools", lambda t: present(t) if t == "cortex-m4" else ["gcc-nowhere"]
+        cores, "missing_tools", lambda t: present(t) if t == "cortex-m4" else ["gcc-nowhere"]
     )
     result = run(shoulder)
     assert result.exit_code == 0
@@ -119,7 +119,7 @@ def test_targets_without_their_tools_are_left_out_by_name(shoulder, monkeypatch)
 def test_an_unknown_target_is_refused(shoulder):
     result = run(shoulder, "--target", "z80")
     assert result.exit_code == 2
-    assert "--target z80: unknown; known: cortex-m0" in result.stderr
+    assert "--target z80: unknown; known: host, cortex-m0" in result.stderr
 
 
 DISASSEMBLY = """

@@ -15,10 +15,14 @@ if TYPE_CHECKING:
 
 
 def cost(
-    directory: Annotated[Path, typer.Argument(help="A folder that `ccgen export` wrote.")],
+    directory: Annotated[
+        Path, typer.Argument(metavar="DIR", help="A folder that `ccgen export` wrote.")
+    ],
     target: Annotated[
         list[str] | None,
-        typer.Option(help="A core; may be given several times.  [default: all with their tools]"),
+        typer.Option(
+            help="One of them; may be given several times.  [default: all with their tools]"
+        ),
     ] = None,
     max_flash: Annotated[
         int | None, typer.Option(min=0, metavar="N", help="Budget: bytes of code and constants.")
@@ -36,13 +40,13 @@ def cost(
     write: Annotated[
         bool, typer.Option("--write", help="Put the table into the folder's README.md.")
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Tell what a folder costs on each core: compiled for it, and counted exactly.
+    """Tell what a folder costs on each target: compiled for it, and counted exactly.
 
     \b
-    Cores: cortex-m0, cortex-m3, cortex-m4, cortex-m7, riscv32, avr. What is over a budget ends
-    with status 1.
+    Targets: host (x86-64), cortex-m0, cortex-m3, cortex-m4, cortex-m7, riscv32, avr.
+    What is over a budget ends with status 1.
 
     \b
     Example:
@@ -58,7 +62,7 @@ def cost(
 
         write_table(exported, costs)
         note(f"wrote the table into {directory / 'README.md'}")
-    if as_json:
+    if json:
         print_json({"targets": [one.record() for one in costs]})
     else:
         _show(costs)
@@ -78,7 +82,8 @@ def _measure(exported: "Exported", chosen: list[str] | None) -> "list[Cost]":
         raise ToolError(
             f"counting needs {error.name}; install it with `pip install 'ccgen[cost]'`"
         ) from error
-    from ccgen.cost.measure import TARGETS, measure, missing_tools
+    from ccgen.cost.cores import TARGETS, missing_tools
+    from ccgen.cost.measure import measure
 
     costs = []
     for target in dict.fromkeys(chosen or TARGETS):

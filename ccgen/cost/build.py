@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ccgen.cost import harness
+from ccgen.cost.cores import HOST, binutils
 from ccgen.cost.link import link, run
 from ccgen.verify.build import sources
 from ccgen.verify.exported import Exported
@@ -65,14 +66,14 @@ def build(exported: Exported, core: Core, folder: Path) -> Built:
         mapped = f"-Wl,--gc-sections,-Map={program.with_suffix('.map')}"
         run([*compiler, *map(str, objects), mapped, "-o", str(program)])
     else:
-        link(compiler, objects, roots, program)
-    prefix = core.compile[0].removesuffix("gcc")
+        extra = core.link if core.name == HOST else ()
+        link([*compiler, *extra], objects, roots, program)
     return Built(
         program=program,
         map=program.with_suffix(".map"),
         folder=folder,
-        disassembly=_output([f"{prefix}objdump", "-d", str(program)]),
-        state_bytes=_size_of("cost_node", _output([f"{prefix}nm", "-S", str(program)])),
+        disassembly=_output([binutils(core, "objdump"), "-d", str(program)]),
+        state_bytes=_size_of("cost_node", _output([binutils(core, "nm"), "-S", str(program)])),
     )
 
 

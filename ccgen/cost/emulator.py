@@ -7,7 +7,7 @@ from typing import Any
 
 import unicorn
 from elftools.elf.elffile import ELFFile
-from unicorn import arm_const, riscv_const
+from unicorn import arm_const, riscv_const, x86_const
 
 from ccgen.errors import CheckError
 
@@ -17,6 +17,12 @@ STACK_BYTES = 0x8000
 FLASH_BYTES = 0x400000
 RETURN = 0x3F0000
 """Where a call returns to: mapped, but never executed."""
+
+_PUSHED = 8
+"""Bytes of a return address where a call pushes it."""
+
+_SSE = 1 << 5 | 1 << 9 | 1 << 10
+"""Bits of an x86-64's register CR4: 64-bit addresses, and floats with their exceptions."""
 
 TIME_LIMIT_US = 60_000_000
 
@@ -28,8 +34,9 @@ class Core:
     Attributes:
         architecture, mode, model: the emulator's names of it.
         arguments: registers of a call's first arguments.
-        stack, link, program_counter: stack pointer, return address, address of the next
-            instruction.
+        result: register of what a call returns.
+        stack, program_counter: stack pointer, address of the next instruction.
+        link: register of the return address; None where a call pushes it.
         code_bit: what marks an address as code of the instruction set.
         has_fpu: whether the floating-point unit must be switched on.
     """
@@ -38,8 +45,9 @@ class Core:
     mode: int
     model: int
     arguments: tuple[int, ...]
+    result: int
     stack: int
-    link: int
+    link: int | None
     program_counter: int
     code_bit: int = 0
     has_fpu: bool = False
@@ -51,6 +59,7 @@ def _cortex_m(model: int, has_fpu: bool = False) -> Core:
         mode=unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS,
         model=model,
         arguments=tuple(getattr(arm_const, f"UC_ARM_REG_R{i}") for i in range(4)),
+        result=arm_const.UC_ARM_REG_R0,
         stack=arm_const.UC_ARM_REG_SP,
         link=arm_const.UC_ARM_REG_LR,
         program_counter=arm_const.UC_ARM_REG_PC,
@@ -69,9 +78,25 @@ CORES = {
         mode=unicorn.UC_MODE_RISCV32,
         model=riscv_const.UC_CPU_RISCV32_ANY,
         arguments=tuple(getattr(riscv_const, f"UC_RISCV_REG_A{i}") for i in range(4)),
+        result=riscv_const.UC_RISCV_REG_A0,
         stack=riscv_const.UC_RISCV_REG_SP,
         link=riscv_const.UC_RISCV_REG_RA,
         program_counter=riscv_const.UC_RISCV_REG_PC,
+    ),
+    "host": Core(
+        architecture=unicorn.UC_ARCH_X86,
+        mode=unicorn.UC_MODE_64,
+        model=x86_const.UC_CPU_X86_QEMU64,
+        arguments=(
+            x86_const.UC_X86_REG_RDI,
+            x86_const.UC_X86_REG_RSI,
+            x86_const.UC_X86_REG_RDX,
+            x86_const.UC_X86_REG_RCX,
+        ),
+        result=x86_const.UC_X86_REG_RAX,
+        stack=x86_const.UC_X86_REG_RSP,
+        link=None,
+        program_counter=x86_const.UC_X86_REG_RIP,
     ),
 }
 
@@ -113,11 +138,16 @@ class Program:
             symbols = list(table.iter_symbols())
             self._address = {s.name: int(s["st_value"]) & ~core.code_bit for s in symbols}
             self._size = {s.name: int(s["st_size"]) for s in symbols}
-        if core.has_fpu:
-            self._uc.mem_map(0xE000E000, 0x1000)
-            self._uc.reg_write(arm_const.UC_ARM_REG_FPEXC, 1 << 30)
+        self._switch_on_floats()
         self._counted = 0
         self._lowest = 0
+
+    def _switch_on_floats(self) -> None:
+        if self._core.architecture == unicorn.UC_ARCH_X86:
+            self._uc.reg_write(x86_const.UC_X86_REG_CR4, _SSE)
+        if self._core.has_fpu:
+            self._uc.mem_map(0xE000E000, 0x1000)
+            self._uc.reg_write(arm_const.UC_ARM_REG_FPEXC, 1 << 30)
 
     def address(self, symbol: str) -> int:
         """Return where a symbol lies."""
@@ -152,8 +182,12 @@ class Program:
         for register, value in zip(core.arguments, arguments, strict=False):
             number = self.address(value) if isinstance(value, str) else value & 0xFFFFFFFF
             self._uc.reg_write(register, number)
-        self._uc.reg_write(core.stack, top)
-        self._uc.reg_write(core.link, RETURN | core.code_bit)
+        if core.link is None:
+            self._uc.mem_write(top - _PUSHED, RETURN.to_bytes(_PUSHED, "little"))
+            self._uc.reg_write(core.stack, top - _PUSHED)
+        else:
+            self._uc.reg_write(core.link, RETURN | core.code_bit)
+            self._uc.reg_write(core.stack, top)
         self._counted, self._lowest = 0, top
         start = self.address(function) | core.code_bit
         hooks = self._hooks() if counted else []
@@ -166,7 +200,7 @@ class Program:
                 self._uc.hook_del(hook)
         if self._uc.reg_read(core.program_counter) & ~1 != RETURN:
             raise CheckError(f"{function}: did not return within {TIME_LIMIT_US / 1e6:g} s")
-        value = int(self._uc.reg_read(core.arguments[0])) & 0xFFFFFFFF
+        value = int(self._uc.reg_read(core.result)) & 0xFFFFFFFF
         result = value - 2**32 if value >= 2**31 else value
         return Call(result, self._counted, top - self._lowest)
 

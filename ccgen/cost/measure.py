@@ -7,19 +7,11 @@ from typing import Any
 
 from ccgen.cost import stack
 from ccgen.cost.build import CALLS, LEVEL, build
+from ccgen.cost.cores import RETURN_BYTES, core_named
 from ccgen.cost.instructions import Times, count
 from ccgen.cost.size import Size, read_map
 from ccgen.errors import CheckError
 from ccgen.verify.exported import Exported
-from ccgen.verify.targets.cross import CORES, Core, Tool, core_named
-
-TARGETS = tuple(CORES)
-"""Names of the targets."""
-
-_EMULATORS = ("qemu-system-arm", "qemu-system-misc")
-"""Packages that running firmware takes and counting does not."""
-
-_AVR_RETURN = 2
 
 
 @dataclass(frozen=True)
@@ -92,15 +84,6 @@ class Cost:
         }
 
 
-def missing_tools(target: str) -> list[str]:
-    """Debian packages that measuring needs and that are not installed.
-
-    Raises:
-        InputError: unknown target.
-    """
-    return list(dict.fromkeys(t.package for t in _tools(core_named(target)) if not t.present()))
-
-
 def measure(exported: Exported, target: str) -> Cost:
     """Compile a folder for a target and count.
 
@@ -113,7 +96,7 @@ def measure(exported: Exported, target: str) -> Cost:
     with tempfile.TemporaryDirectory(prefix="ccgen-") as name:
         folder = Path(name)
         built = build(exported, core, folder)
-        functions = stack.read_disassembly(built.disassembly, _AVR_RETURN if target == "avr" else 0)
+        functions = stack.read_disassembly(built.disassembly, RETURN_BYTES.get(target, 0))
         frames = stack.read_frames(folder)
         joint = exported.joint.name
         stacks = {
@@ -143,7 +126,3 @@ def _times(exported: Exported, target: str, program: Path, folder: Path, bound: 
     if seen > bound:
         raise CheckError(f"{target}: {seen} bytes of stack seen, more than the bound of {bound}")
     return times
-
-
-def _tools(core: Core) -> tuple[Tool, ...]:
-    return tuple(tool for tool in core.tools if tool.package not in _EMULATORS)

@@ -15,9 +15,11 @@ from ccgen.errors import CheckError
 _FUNCTION = re.compile(r"^[0-9a-f]+ <(?P<name>[^>+]+)>:$")
 _INSTRUCTION = re.compile(r"^\s+[0-9a-f]+:\t[0-9a-f ]+\t(?P<word>\S+)\s*(?P<rest>.*)$")
 _TARGET = re.compile(r"<(?P<name>[^>+]+)(?P<inside>\+0x[0-9a-f]+)?>")
-_INDIRECT = re.compile(r"^(blx\s+(r\d+|ip|lr)\b|jalr\b|icall|eicall)")
-_CALLS = frozenset(("bl", "blx", "jal", "call", "rcall"))
-_TRANSFERS = re.compile(r"^(b|bl|blx|b[a-z]{2}|cb|j|jal|call|rcall|jmp|rjmp|br[a-z]+|tail)\b")
+_INDIRECT = re.compile(r"^(blx\s+(r\d+|ip|lr)\b|jalr\b|icall|eicall|callq?\s+\*)")
+_CALLS = frozenset(("bl", "blx", "jal", "call", "callq", "rcall"))
+_TRANSFERS = re.compile(
+    r"^(b|bl|blx|b[a-z]{2}|cb|j[a-z]{1,3}|j|jal|callq?|rcall|jmp|rjmp|br[a-z]+|tail)\b"
+)
 
 
 @dataclass
