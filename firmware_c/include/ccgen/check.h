@@ -19,8 +19,11 @@
 #define CCGEN_STATIC_ASSERT(cond, name) typedef char ccgen_assert_##name[(cond) ? 1 : -1]
 #endif
 
-/** An inline function that is specialised for the constants it is called with. */
-#if defined(__GNUC__)
+/**
+ * An inline function that is specialised for the constants it is called with. Not forced where the
+ * compiler does not optimise: nothing would fold, and every variant of a kernel would be inlined.
+ */
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define CCGEN_INLINE static inline __attribute__((always_inline))
 #else
 #define CCGEN_INLINE static inline
