@@ -274,7 +274,7 @@ def test_wrong_arguments_are_refused_and_nothing_is_written(library: Library) ->
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_compiles_without_warnings_as_c_and_cpp(compiler: str, arm: Arm, tmp_path: Path) -> None:
     if shutil.which(compiler) is None:
-        pytest.skip(f"{compiler} is not installed")
+        pytest.fail(f"{compiler} is not installed")
     source = write(arm, tmp_path)
     for level in ("-O0", "-O3"):
         compile_c(compiler, source, "-std=c99", "-Wmissing-prototypes", level, "-c", "-o/dev/null")
@@ -287,7 +287,7 @@ def test_links_no_double_arithmetic_and_no_libm_on_cortex_m(
     core: str, arm: Arm, tmp_path: Path
 ) -> None:
     if shutil.which("arm-none-eabi-gcc") is None:
-        pytest.skip("arm-none-eabi-gcc is not installed (Debian: gcc-arm-none-eabi)")
+        pytest.fail("arm-none-eabi-gcc is not installed (Debian: gcc-arm-none-eabi)")
     target = tmp_path / "arm.o"
     compile_c(
         "arm-none-eabi-gcc", write(arm, tmp_path), "-std=c99", f"-mcpu={core}", "-mthumb", "-O2",
