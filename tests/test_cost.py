@@ -1,5 +1,7 @@
 import json
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -114,6 +116,19 @@ def test_targets_without_their_tools_are_left_out_by_name(shoulder, monkeypatch)
     chosen = run(shoulder, "--target", "avr")
     assert chosen.exit_code == 2
     assert "avr: needs gcc-nowhere" in chosen.stderr
+
+
+def test_without_the_extra_the_message_says_how_to_install_it(shoulder):
+    program = (
+        "import sys; sys.modules['unicorn'] = None\n"
+        f"from ccgen.cli.main import main; main(['cost', {str(shoulder)!r}])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2
+    assert "counting needs unicorn; install it with `pip install 'ccgen[cost]'`" in done.stderr
+    assert "Traceback" not in done.stderr
 
 
 def test_an_unknown_target_is_refused(shoulder):

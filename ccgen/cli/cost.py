@@ -1,6 +1,7 @@
 """`ccgen cost`: flash, RAM, stack and instructions on microcontrollers."""
 
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -52,6 +53,7 @@ def cost(
     Example:
       ccgen cost firmware/shoulder --target cortex-m4 --max-flash 16384
     """
+    _require_counter()
     from ccgen.cost.budget import Budget, excesses
     from ccgen.verify.exported import open_exported
 
@@ -73,15 +75,18 @@ def cost(
         raise typer.Exit(1)
 
 
+def _require_counter() -> None:
+    for module in ("unicorn", "elftools"):
+        try:
+            import_module(module)
+        except ImportError as error:
+            raise ToolError(
+                f"counting needs {module}; install it with `pip install 'ccgen[cost]'`"
+            ) from error
+
+
 def _measure(exported: "Exported", chosen: list[str] | None) -> "list[Cost]":
     """Costs of the chosen targets, or of all whose tools are there; says which are left out."""
-    try:
-        import elftools  # noqa: F401
-        import unicorn  # noqa: F401
-    except ImportError as error:
-        raise ToolError(
-            f"counting needs {error.name}; install it with `pip install 'ccgen[cost]'`"
-        ) from error
     from ccgen.cost.cores import TARGETS, missing_tools
     from ccgen.cost.measure import measure
 
