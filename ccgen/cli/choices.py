@@ -1,6 +1,16 @@
-"""Words that options choose from; the same as in the joint file and the library."""
+"""Options of several commands, and words that they choose from, as in the joint file."""
 
 from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+Individuals = Annotated[
+    int, typer.Option("--individuals", help="Population of the evolutionary algorithm.")
+]
+Generations = Annotated[
+    int, typer.Option("--generations", help="Generations of the evolutionary algorithm.")
+]
 
 
 class Axis(StrEnum):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ccgen.cli.choices import Axis
+from ccgen.cli.choices import Axis, Generations, Individuals
 from ccgen.cli.output import note, print_json, results
 from ccgen.cli.plot import write_plot
 from ccgen.errors import InputError
@@ -80,12 +80,8 @@ def place(
     starts: Annotated[
         int, typer.Option("--starts", metavar="N", help="Descents of the search.")
     ] = 24,
-    individuals: Annotated[
-        int, typer.Option("--individuals", help="Population of the evolutionary algorithm.")
-    ] = 500,
-    generations: Annotated[
-        int, typer.Option("--generations", help="Generations of the evolutionary algorithm.")
-    ] = 10,
+    individuals: Individuals = 500,
+    generations: Generations = 10,
     seed: Annotated[int, typer.Option("--seed", help="Of all random numbers.")] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
     plot: Annotated[

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ccgen.cli.choices import Generations, Individuals
 from ccgen.cli.output import note, print_json, progress, results
 
 if TYPE_CHECKING:
@@ -42,12 +43,8 @@ def reproduce(
     seed: Annotated[
         int, typer.Option("--seed", help="Of the evolutionary algorithm and the search.")
     ] = 0,
-    individuals: Annotated[
-        int, typer.Option("--individuals", help="Population of the evolutionary algorithm.")
-    ] = 500,
-    generations: Annotated[
-        int, typer.Option("--generations", help="Generations of the evolutionary algorithm.")
-    ] = 10,
+    individuals: Individuals = 500,
+    generations: Generations = 10,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Reproduce the paper: Tables 2 to 4, figures 7 and 8, and a report.

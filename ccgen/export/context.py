@@ -72,10 +72,8 @@ def can_context(layout: FrameLayout, joint: Joint) -> dict[str, Any]:
 def selftest_context(joint: Joint, model: FixedPointModel, library: ShapeLibrary) -> dict[str, Any]:
     """Vectors with the right angles, and checksums of drawn blocks."""
     limits = [model.axis(a) for a in AXES]
-    sums = [
-        vectors.checksum(vectors.estimate(model, vectors.batch(model, seed, BLOCK_SNAPSHOTS)))
-        for seed in range(BLOCKS)
-    ]
+    blocks = [vectors.batch(model, seed, BLOCK_SNAPSHOTS) for seed in range(BLOCKS)]
+    sums = [vectors.checksum(model.estimate(block.counts, block.zeros)) for block in blocks]
     count_bytes = joint.precision // 8
     state = count_bytes * 2 * (model.u.sensors + model.v.sensors + model.segments)
     return {
@@ -159,7 +157,7 @@ def _vectors(
     """Shapes from every load case, and the corners with the most and the least of everything."""
     chosen = library.angles[:: max(1, len(library.angles) // SHAPE_VECTORS)][:SHAPE_VECTORS]
     readings = {
-        a: [*counts_of(joint.axis(a), chosen), *vectors.corners(model.axis(a))[[0, -1]]]
+        a: [*counts_of(joint.axis(a), chosen), model.axis(a).minimum, model.axis(a).maximum]
         for a in AXES
     }
     return [

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.fixedpoint import AxisModel, FixedPointModel
+from ccgen.fixedpoint import FixedPointModel
 from ccgen.joint import AXES
 
 Integers = NDArray[np.int64]
@@ -50,14 +50,6 @@ def batch(model: FixedPointModel, seed: int, snapshots: int) -> Batch:
     return Batch(counts=values[:, 1], zeros=values[:, 0])
 
 
-def estimate(model: FixedPointModel, drawn: Batch) -> Integers:
-    """Angles of the integer reference model for a batch, u then v; shape (k, 2 m)."""
-    split = model.u.sensors
-    u = model.u.estimate(drawn.counts[:, :split], drawn.zeros[:, :split])
-    v = model.v.estimate(drawn.counts[:, split:], drawn.zeros[:, split:])
-    return np.concatenate([u, v], axis=1)
-
-
 def checksum(values: Integers) -> int:
     """Checksum of all values in order, modulo 2^32."""
     flat = values.reshape(-1) & 0xFFFFFFFF
@@ -66,9 +58,3 @@ def checksum(values: Integers) -> int:
         np.full(max(flat.size - 1, 0), CHECKSUM_FACTOR, dtype=np.uint32), out=powers[1:]
     )
     return int(np.sum(flat.astype(np.uint32) * powers[::-1], dtype=np.uint32))
-
-
-def corners(axis: AxisModel) -> Integers:
-    """All combinations of the ends of the ranges; shape (2^n, n)."""
-    bits = (np.arange(2**axis.sensors)[:, None] >> np.arange(axis.sensors)) & 1
-    return np.where(bits == 1, axis.maximum, axis.minimum).astype(np.int64)

@@ -118,10 +118,21 @@ class FixedPointModel:
         """Number of segments m."""
         return self.u.segments
 
-    def estimate(self, counts: ArrayLike) -> Integers:
-        """Angles of both axes, u then v, from counts, u then v: (..., nu + nv) to (..., 2m)."""
-        values = np.asarray(counts, dtype=np.int64)
-        split = self.u.sensors
-        return np.concatenate(
-            [self.u.estimate(values[..., :split]), self.v.estimate(values[..., split:])], axis=-1
-        )
+    def estimate(self, counts: ArrayLike, zero: ArrayLike | None = None) -> Integers:
+        """Angles of both axes, u then v, from counts and zeros, u then v.
+
+        Args:
+            counts: shape (..., nu + nv).
+            zero: shape (nu + nv,) or (..., nu + nv); the model's own by default.
+
+        Returns:
+            Shape (..., 2 m).
+
+        Raises:
+            ValueError: a count or a zero is out of range.
+        """
+        split = [self.u.sensors]
+        own = np.concatenate([self.u.zero, self.v.zero])
+        u, v = np.split(np.asarray(counts, dtype=np.int64), split, axis=-1)
+        zero_u, zero_v = np.split(np.asarray(own if zero is None else zero), split, axis=-1)
+        return np.concatenate([self.u.estimate(u, zero_u), self.v.estimate(v, zero_v)], axis=-1)

@@ -73,14 +73,7 @@ def _wrong_angles(exported: Exported, library: JointLibrary, seed: int, size: in
     zero = zeros[seed % len(zeros)]
     counts = np.concatenate([corners, sensors.random_counts(axes, size, seed + 1)])[:size]
     angles, results = library.estimate(counts, zero)
-    split = exported.model.u.sensors
-    right = np.concatenate(
-        [
-            exported.model.u.estimate(counts[:, :split], zero[:split]),
-            exported.model.v.estimate(counts[:, split:], zero[split:]),
-        ],
-        axis=1,
-    )
+    right = exported.model.estimate(counts, zero)
     angles[results != 0] = ~right[results != 0]
     return int(np.count_nonzero(angles != right))
 

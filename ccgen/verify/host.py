@@ -7,12 +7,12 @@ from pathlib import Path
 
 import can
 
-from ccgen.can.exchange import Answer, Pace, exchange
+from ccgen.can.exchange import Pace
 from ccgen.can.transports.library import library_node
 from ccgen.can.transports.process import process_node
 from ccgen.verify.batch import compare_batches
 from ccgen.verify.build import build_process, build_shared
-from ccgen.verify.compare import compare_exchange
+from ccgen.verify.bus import verify_bus
 from ccgen.verify.exported import Exported
 from ccgen.verify.inputs import bus_counts
 from ccgen.verify.library import JointLibrary
@@ -21,8 +21,6 @@ from ccgen.verify.run import Run
 
 PACE = Pace(timeout=5.0)
 """As fast as answers come, with patience for a machine that has other work."""
-
-_REPORT_EVERY = 256
 
 
 def verify(exported: Exported, plan: Plan, report: Progress) -> list[Run]:
@@ -44,17 +42,5 @@ def verify(exported: Exported, plan: Plan, report: Progress) -> list[Run]:
         }
         for transport, node in nodes.items():
             with node() as bus:
-                answers = exchange(
-                    bus, exported.codec, counts, PACE, _reporter(report, transport, len(counts))
-                )
-            runs.append(compare_exchange(exported, "host", transport, counts, answers))
+                runs.append(verify_bus(exported, bus, counts, PACE, report, "host", transport))
     return runs
-
-
-def _reporter(report: Progress, transport: str, total: int) -> Callable[[Answer], None]:
-    def after(answer: Answer) -> None:
-        done = answer.index + 1
-        if done % _REPORT_EVERY == 0 or done == total:
-            report(transport, done, total)
-
-    return after

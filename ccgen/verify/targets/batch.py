@@ -170,4 +170,4 @@ def _seeds(plan: Plan, blocks: int) -> list[int]:
 
 def _checksum(exported: Exported, seed: int) -> int:
     drawn = vectors.batch(exported.model, seed, BLOCK)
-    return vectors.checksum(vectors.estimate(exported.model, drawn))
+    return vectors.checksum(exported.model.estimate(drawn.counts, drawn.zeros))

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import can
 
-from ccgen.can.exchange import Answer, Pace, exchange
-from ccgen.verify.compare import compare_exchange
+from ccgen.can.exchange import Pace
+from ccgen.verify.bus import verify_bus
 from ccgen.verify.exported import Exported
 from ccgen.verify.inputs import bus_counts
 from ccgen.verify.plan import Plan, Progress
@@ -52,13 +52,8 @@ def verify_uart(
     """Send snapshots over the emulated UART; arguments as for `verify_target`."""
     number = UART_SNAPSHOTS if plan.snapshots is None else plan.snapshots
     counts = bus_counts(exported, number, plan.seed)
-
-    def on_answer(answer: Answer) -> None:
-        report(f"{target}, UART", answer.index + 1, number)
-
     with emulated_node(exported, target, optimise) as bus:
-        answers = exchange(bus, exported.codec, counts, _PACE, on_answer)
-    return compare_exchange(exported, target, "uart", counts, answers)
+        return verify_bus(exported, bus, counts, _PACE, report, target, "uart")
 
 
 @contextmanager
