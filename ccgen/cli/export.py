@@ -1,11 +1,12 @@
 """`ccgen export`: the C for a joint's microcontroller."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ccgen.cli.output import print_json, results
+from ccgen.cli.output import note, print_json, results
 
 if TYPE_CHECKING:
     from ccgen.export.package import Export
@@ -28,20 +29,25 @@ def export(
       ccgen export shoulder.toml -o firmware/shoulder
       ccgen verify firmware/shoulder --target host
     """
+    from ccgen.can.load import load_percent
     from ccgen.export.package import export as write
 
     done = write(joint_file, output)
+    load = load_percent(done.layout, done.joint.can.bitrate)
+    if load > 100.0:
+        note(_too_slow(done, load))
     if json:
-        print_json(_record(done))
+        print_json(_record(done, load))
     else:
-        _show(done)
+        _show(done, load)
 
 
-def _record(done: "Export") -> dict[str, Any]:
+def _record(done: "Export", load: float) -> dict[str, Any]:
     return {
         "directory": str(done.directory),
         "files": list(done.files),
         "fixed_point": {axis: _format(done.model.axis(axis)) for axis in ("u", "v")},
+        "bus_load_percent": load,
     }
 
 
@@ -56,7 +62,7 @@ def _format(axis: "AxisModel") -> dict[str, Any]:
     }
 
 
-def _show(done: "Export") -> None:
+def _show(done: "Export", load: float) -> None:
     from rich.table import Table
 
     table = Table("", "axis u", "axis v", box=None, pad_edge=False)
@@ -72,7 +78,22 @@ def _show(done: "Export") -> None:
     console = results()
     console.print(table)
     console.print(
+        f"{len(done.layout.frames)} frames every {done.layout.cycle_ms} ms take at most "
+        f"{load:.0f} % of a bus at {done.joint.can.bitrate:,} bit/s"
+    )
+    console.print(
         f"{len(done.files)} files in {done.directory}; README.md there tells how to use them. "
         f"Next: ccgen verify {done.directory}",
         soft_wrap=True,
+    )
+
+
+def _too_slow(done: "Export", load: float) -> str:
+    layout, can = done.layout, done.joint.can
+    shortest = math.ceil(layout.cycle_ms * load / 100.0)
+    remedy = "bit-rate switching" if layout.fd else "can.fd = true"
+    return (
+        f"warning: {done.joint.source}: can.cycle_ms: the {len(layout.frames)} frames of a "
+        f"snapshot need up to {load:.0f} % of {layout.cycle_ms} ms at {can.bitrate:,} bit/s; "
+        f"{shortest} or more, a higher can.bitrate, or {remedy} would fit"
     )

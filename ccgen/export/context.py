@@ -7,6 +7,7 @@ import numpy as np
 
 from ccgen import FORMAT_VERSION, __version__
 from ccgen.can.layout import FrameLayout
+from ccgen.can.load import load_percent
 from ccgen.estimation import (
     Weights,
     noise_gain,
@@ -63,6 +64,7 @@ def can_context(layout: FrameLayout, joint: Joint) -> dict[str, Any]:
     return {
         "layout": layout,
         "bitrate": joint.can.bitrate,
+        "bus_load_percent": percent(load_percent(layout, joint.can.bitrate)),
         "profile": "P05" if layout.fd else "P01",
         "tip_metres_per_step": float_literal(2.0**-layout.tip_fraction_bits),
         "tip_steps_per_metre": float_literal(2.0**layout.tip_fraction_bits),

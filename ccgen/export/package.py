@@ -7,7 +7,7 @@ from typing import Any
 import jinja2
 
 from ccgen import resources
-from ccgen.can.layout import layout_for
+from ccgen.can.layout import FrameLayout, layout_for
 from ccgen.errors import InputError
 from ccgen.estimation import fit_joint
 from ccgen.export import context
@@ -53,7 +53,9 @@ class Export:
 
     directory: Path
     files: tuple[str, ...]
+    joint: Joint
     model: FixedPointModel
+    layout: FrameLayout
 
 
 def export(joint_file: Path, directory: Path) -> Export:
@@ -64,17 +66,17 @@ def export(joint_file: Path, directory: Path) -> Export:
             holds files that are not ours.
     """
     joint = read_joint(joint_file)
-    model, files = render(joint, joint_file.read_bytes())
+    model, layout, files = render(joint, joint_file.read_bytes())
     with new_folder(directory, _only_ours) as folder:
         for path, content in files.items():
             target = folder / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(content)
-    return Export(directory, tuple(sorted(files)), model)
+    return Export(directory, tuple(sorted(files)), joint, model, layout)
 
 
-def render(joint: Joint, source: bytes) -> tuple[FixedPointModel, dict[str, bytes]]:
-    """Content of every file by path; the same joint and source give the same bytes.
+def render(joint: Joint, source: bytes) -> tuple[FixedPointModel, FrameLayout, dict[str, bytes]]:
+    """The model, the frames, and every file's content by path; the same input, the same bytes.
 
     Args:
         joint: the specification.
@@ -109,7 +111,7 @@ def render(joint: Joint, source: bytes) -> tuple[FixedPointModel, dict[str, byte
     files = runtime | {"joint.toml": source, "LICENSE": resources.licence().read_bytes()}
     files |= {path: text.encode("utf-8") for path, text in texts.items()}
     files[FILE_NAME] = manifest_json(joint.name, source, files).encode("utf-8")
-    return model, files
+    return model, layout, files
 
 
 def runtime_files() -> dict[str, bytes]:

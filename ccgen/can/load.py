@@ -1,0 +1,44 @@
+"""How much of a bus a joint takes: frames of one cycle, each as long as stuffing can make it."""
+
+from ccgen.can.layout import FrameLayout
+
+_CLASSIC_BITS = {False: 34, True: 54}
+"""Stuffed bits of a classic frame beside its data, standard and extended: SOF to CRC."""
+
+_FD_BITS = {False: 22, True: 41}
+"""Stuffed bits of a CAN FD frame beside its data: SOF to DLC."""
+
+_FD_CHECK_BITS = 32
+"""Stuff count, 21-bit CRC and their fixed stuff bits, for more than 16 bytes of data."""
+
+_TAIL_BITS = 13
+"""Never stuffed: CRC delimiter, acknowledgement, end of frame, and the gap to the next frame."""
+
+
+def frame_bits(layout: FrameLayout) -> int:
+    """Bits that one frame of the joint takes at most, the gap behind it included (ISO 11898-1).
+
+    A run of five equal bits is broken by a stuff bit, which may open the next run: at worst one
+    after the first five bits and one after every four more.
+    """
+    overhead = _FD_BITS if layout.fd else _CLASSIC_BITS
+    stuffed = overhead[layout.extended] + 8 * layout.frame_bytes
+    check = _FD_CHECK_BITS if layout.fd else 0
+    return stuffed + (stuffed - 1) // 4 + check + _TAIL_BITS
+
+
+def snapshot_us(layout: FrameLayout, bitrate: int) -> float:
+    """Time on the bus of one snapshot and its answer at worst, microseconds.
+
+    On CAN FD without the faster bit rate for data, which adapters set by themselves.
+
+    Args:
+        layout: the joint's frames; every one of them is sent once a cycle.
+        bitrate: bits per second.
+    """
+    return len(layout.frames) * frame_bits(layout) * 1e6 / bitrate
+
+
+def load_percent(layout: FrameLayout, bitrate: int) -> float:
+    """Share of a cycle that the joint's frames take at worst, per cent; over 100 does not fit."""
+    return 100.0 * snapshot_us(layout, bitrate) / layout.cycle_us

@@ -1,0 +1,60 @@
+"""How long frames can be on the wire, against a bit stream that is stuffed bit by bit."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ccgen.can.layout import FrameLayout
+from ccgen.can.load import frame_bits, load_percent, snapshot_us
+
+LAYOUT = FrameLayout(
+    name="joint",
+    base_id=0x300,
+    extended=False,
+    fd=False,
+    sensors_u=3,
+    sensors_v=3,
+    segments=12,
+    count_bytes=2,
+    angle_bytes=2,
+    cycle_ms=10,
+    tip_fraction_bits=17,
+)
+
+
+def stuff_bits(bits):
+    """Bits of the other value that a sender puts behind every five equal ones."""
+    inserted, run, last = 0, 0, None
+    for bit in bits:
+        run = run + 1 if bit == last else 1
+        last = bit
+        if run == 5:
+            inserted, run, last = inserted + 1, 1, 1 - bit
+    return inserted
+
+
+def worst(length):
+    """Five equal bits, then four of the other value in turn with four of the first."""
+    return [max(k - 1, 0) // 4 % 2 for k in range(length)]
+
+
+@pytest.mark.parametrize(
+    ("extended", "fd", "stuffed", "fixed"),
+    [(False, False, 98, 13), (True, False, 118, 13), (False, True, 534, 45), (True, True, 553, 45)],
+)
+def test_a_frame_is_as_long_as_the_worst_bits_make_it(extended, fd, stuffed, fixed):
+    layout = replace(LAYOUT, extended=extended, fd=fd)
+    assert frame_bits(layout) == stuffed + stuff_bits(worst(stuffed)) + fixed
+
+
+@given(bits=st.lists(st.integers(0, 1), min_size=98, max_size=98))
+def test_no_bits_make_a_standard_frame_longer(bits):
+    assert 98 + stuff_bits(bits) + 13 <= frame_bits(LAYOUT) == 135
+
+
+def test_a_snapshot_takes_the_frames_there_and_back():
+    assert snapshot_us(LAYOUT, 500_000) == 12 * 270.0
+    assert load_percent(LAYOUT, 1_000_000) == pytest.approx(16.2)
+    assert load_percent(replace(LAYOUT, cycle_ms=1), 1_000_000) == pytest.approx(162.0)
