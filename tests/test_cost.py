@@ -50,7 +50,16 @@ def test_every_core_is_measured_whole(costs, target):
     assert all(part.variables == 0 for part in cost.parts.values()), "no globals"
     assert 0 < cost.times.frame < cost.times.snapshot
     assert cost.times.estimate + cost.times.tip_pose < cost.times.snapshot
+    assert record["instructions_per_estimate"] == cost.times.estimate
     assert record["unit"] == ("cycles" if target == "avr" else "instructions")
+
+
+def test_another_level_of_optimisation_is_measured_and_named(shoulder, costs):
+    result = run(shoulder, "--target", "cortex-m4", "--optimise", "s", "--json")
+    (smaller,) = json.loads(result.stdout)["targets"]
+    usual = costs["cortex-m4"].record()
+    assert (smaller["optimisation"], usual["optimisation"]) == ("-Os", "-O2")
+    assert smaller["code_bytes"] < usual["code_bytes"]
 
 
 def test_a_core_that_reads_tables_from_ram_needs_ram_for_them(costs):

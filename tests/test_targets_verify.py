@@ -13,11 +13,11 @@ from typer.testing import CliRunner
 
 from ccgen.cli.main import app
 from ccgen.export.package import export
+from ccgen.verify.build import LEVEL, LEVELS
 from ccgen.verify.exported import Exported, open_exported
 from ccgen.verify.plan import Plan, silent
 from ccgen.verify.targets import TARGETS, verify_target
 from ccgen.verify.targets.batch import compare_batch, run_batch
-from ccgen.verify.targets.cross import LEVELS
 
 JOINT = """
 name = "{name}"
@@ -79,7 +79,7 @@ def test_every_angle_is_the_models_over_the_uart_and_in_batches(joints, target, 
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_no_level_of_optimisation_changes_a_bit_of_the_angles(joints, target):
-    others = [level for level in LEVELS if level != "-O2"]  # at which all else here is compiled
+    others = [level for level in LEVELS if level != LEVEL]  # at which all else here is compiled
     for precision, levels in ((16, others), (32, ("-O0", "-O3"))):
         runs = [run_batch(joints[precision], target, SMALL, silent, (level,)) for level in levels]
         for printed in runs:

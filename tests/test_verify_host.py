@@ -56,6 +56,26 @@ def test_every_example_equals_its_model_over_every_transport(exported, name):
     assert runs["virtual"]["snapshots"] == runs["slcan-pty"]["snapshots"] == 120
 
 
+@pytest.mark.parametrize(
+    ("target", "compiler", "times"), [("host", "gcc", 2), ("cortex-m0", "arm-none-eabi-gcc", 2)]
+)
+def test_the_folder_is_compiled_at_the_level_asked_for(
+    shoulder, tmp_path, monkeypatch, target, compiler, times
+):
+    programs = tmp_path / "bin"
+    programs.mkdir()
+    wrapper = programs / compiler
+    real = shutil.which(compiler)
+    wrapper.write_text(f'#!/bin/sh\necho "$@" >> {tmp_path}/calls\nexec {real} "$@"\n')
+    wrapper.chmod(0o755)
+    monkeypatch.setenv("PATH", str(programs), prepend=":")
+    monkeypatch.setenv("CC", "gcc")
+    assert verify(shoulder, "--target", target, "--optimise", "s").exit_code == 0
+    calls = [line.split() for line in (tmp_path / "calls").read_text().splitlines()]
+    levels = [[word for word in call if word.startswith("-O")] for call in calls if "-o" in call]
+    assert levels == [["-Os"]] * times
+
+
 def test_a_wrong_weight_is_a_mismatch_over_every_transport(shoulder):
     change(shoulder / "src" / "shoulder.c", r"CCGEN_PAIR\(3544,", "CCGEN_PAIR(3545,")
     result = verify(shoulder, "--json")

@@ -13,6 +13,21 @@ Generations = Annotated[
 ]
 
 
+class Level(StrEnum):
+    """Levels of the compiler's optimisation, `ccgen.verify.build.LEVELS`."""
+
+    O0 = "0"
+    OS = "s"
+    O2 = "2"
+    O3 = "3"
+
+
+Optimise = Annotated[
+    Level,
+    typer.Option("--optimise", help="The level at which the folder is compiled, as behind -O."),
+]
+
+
 class Axis(StrEnum):
     """The bending axes, `ccgen.joint.AXES`."""
 

@@ -1,13 +1,14 @@
 """`ccgen cost`: flash, RAM, stack and instructions on microcontrollers."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ccgen.cli.output import note, print_json, results
+from ccgen.cli.choices import Level, Optimise
+from ccgen.cli.output import note, print_json, progress_bars, results
 from ccgen.errors import ToolError
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ def cost(
         int | None,
         typer.Option(min=0, metavar="N", help="Budget of one estimate of both axes; AVR: cycles."),
     ] = None,
+    optimise: Optimise = Level.O2,
     write: Annotated[
         bool, typer.Option("--write", help="Put the table into the folder's README.md.")
     ] = False,
@@ -58,7 +60,7 @@ def cost(
     from ccgen.verify.exported import open_exported
 
     exported = open_exported(directory)
-    costs = _measure(exported, target)
+    costs = _measure(exported, target, f"-O{optimise.value}")
     if write:
         from ccgen.cost.readme import write_table
 
@@ -85,12 +87,12 @@ def _require_counter() -> None:
             ) from error
 
 
-def _measure(exported: "Exported", chosen: list[str] | None) -> "list[Cost]":
+def _measure(exported: "Exported", chosen: list[str] | None, level: str) -> "list[Cost]":
     """Costs of the chosen targets, or of all whose tools are there; says which are left out."""
     from ccgen.cost.cores import TARGETS, missing_tools
     from ccgen.cost.measure import measure
 
-    costs = []
+    targets = []
     for target in dict.fromkeys(chosen or TARGETS):
         missing = " ".join(missing_tools(target))
         if missing:
@@ -99,37 +101,31 @@ def _measure(exported: "Exported", chosen: list[str] | None) -> "list[Cost]":
                 raise ToolError(message)
             note(f"left out: {message}")
         else:
-            costs.append(measure(exported, target))
-    if not costs:
+            targets.append(target)
+    if not targets:
         raise ToolError("no target is left to measure")
+    costs: list[Cost] = []
+    with progress_bars() as report:
+        for target in targets:
+            report("targets", len(costs), len(targets))
+            costs.append(measure(exported, target, level))
     return costs
 
 
 def _show(costs: "Sequence[Cost]") -> None:
     from rich.table import Table
 
-    from ccgen.cost.build import LEVEL
+    from ccgen.cost.readme import TITLES, row_of
 
-    columns: dict[str, Callable[[Cost], int]] = {
-        "code": lambda c: c.code_bytes,
-        "constants": lambda c: c.constant_bytes,
-        "RAM": lambda c: c.ram_bytes,
-        "stack": lambda c: c.stack_bytes,
-        "estimate": lambda c: c.times.estimate,
-        "tip pose": lambda c: c.times.tip_pose,
-        "frame": lambda c: c.times.frame,
-        "snapshot": lambda c: c.times.snapshot,
-    }
     table = Table(box=None, pad_edge=False)
-    table.add_column("target", no_wrap=True)
-    for title in columns:
-        table.add_column(title, justify="right", no_wrap=True)
+    for title in TITLES:
+        table.add_column(title, justify="left" if title == TITLES[0] else "right", no_wrap=True)
     for one in costs:
-        table.add_row(one.target, *(f"{read(one):,}" for read in columns.values()))
+        table.add_row(*row_of(one))
     console = results()
     console.print(table)
     console.print(
-        f"Bytes of a whole node with the compiler's own functions, {LEVEL}: flash is code and "
-        "constants, RAM is without stack. Instructions at most; on AVR cycles.",
+        f"Bytes of a whole node with the compiler's own functions, {costs[0].level}: flash is code "
+        "and constants, RAM is without stack. Instructions at most; on AVR cycles.",
         soft_wrap=True,
     )

@@ -2,11 +2,14 @@
 
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from ccgen.verify.plan import Progress
 
 
 def print_json(result: Mapping[str, object]) -> None:
@@ -35,3 +38,26 @@ def progress() -> "Console":
     from rich.console import Console
 
     return Console(stderr=True, highlight=False)
+
+
+@contextmanager
+def progress_bars() -> "Iterator[Progress]":
+    """One bar on stderr for each thing that is being done, with its remaining time."""
+    from rich import progress as bars
+
+    columns = (
+        bars.TextColumn("{task.description:<24}"),
+        bars.BarColumn(),
+        bars.MofNCompleteColumn(),
+        bars.TimeRemainingColumn(),
+    )
+    tasks: dict[str, bars.TaskID] = {}
+    console = progress()
+    with bars.Progress(*columns, console=console, disable=not console.is_terminal) as shown:
+
+        def report(what: str, done: int, total: int) -> None:
+            if what not in tasks:
+                tasks[what] = shown.add_task(what)
+            shown.update(tasks[what], completed=done, total=total)
+
+        yield report

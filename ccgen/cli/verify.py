@@ -1,16 +1,15 @@
 """`ccgen verify`: proof that an exported folder computes what the model computes."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ccgen.cli.output import note, print_json, progress, results
+from ccgen.cli.choices import Level, Optimise
+from ccgen.cli.output import note, print_json, progress_bars, results
 
 if TYPE_CHECKING:
-    from ccgen.verify.plan import Progress
     from ccgen.verify.run import Run
 
 
@@ -39,6 +38,7 @@ def verify(
     values: Annotated[
         int, typer.Option(min=1, help="Angles compared in batches, besides.", metavar="N")
     ] = 1_000_000,
+    optimise: Optimise = Level.O2,
     seed: Annotated[int, typer.Option(min=0, help="Of the random counts.", metavar="N")] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
@@ -52,7 +52,7 @@ def verify(
     \b
     Example:
       ccgen verify firmware/shoulder
-      ccgen verify firmware/shoulder --target cortex-m0 --target cortex-m4
+      ccgen verify firmware/shoulder --target cortex-m0 --target cortex-m4 --optimise s
     """
     from ccgen.verify.exported import open_exported
     from ccgen.verify.plan import Plan
@@ -61,11 +61,12 @@ def verify(
     exported = open_exported(directory)
     for file in exported.changed:
         note(f"warning: {directory / file} differs from what was exported; export again to undo")
-    with _progress_bars() as report:
+    plan = Plan(snapshots, values, seed)
+    with progress_bars() as report:
         runs = [
             run
             for name in _names(target or ["host"])
-            for run in verify_target(exported, name, Plan(snapshots, values, seed), report)
+            for run in verify_target(exported, name, plan, report, f"-O{optimise.value}")
         ]
     if json:
         print_json({"runs": [run.record() for run in runs]})
@@ -79,29 +80,6 @@ def _names(targets: Sequence[str]) -> Sequence[str]:
     from ccgen.verify.target import TARGETS
 
     return TARGETS if "all" in targets else targets
-
-
-@contextmanager
-def _progress_bars() -> Iterator["Progress"]:
-    """One bar on stderr for each thing that is being done, with rate and remaining time."""
-    from rich import progress as bars
-
-    columns = (
-        bars.TextColumn("{task.description:<24}"),
-        bars.BarColumn(),
-        bars.MofNCompleteColumn(),
-        bars.TimeRemainingColumn(),
-    )
-    tasks: dict[str, bars.TaskID] = {}
-    console = progress()
-    with bars.Progress(*columns, console=console, disable=not console.is_terminal) as shown:
-
-        def report(what: str, done: int, total: int) -> None:
-            if what not in tasks:
-                tasks[what] = shown.add_task(what)
-            shown.update(tasks[what], completed=done, total=total)
-
-        yield report
 
 
 def _show(runs: Sequence["Run"]) -> None:

@@ -8,13 +8,12 @@ from pathlib import Path
 from ccgen.cost import harness
 from ccgen.cost.cores import HOST, binutils
 from ccgen.cost.link import link, run
-from ccgen.verify.build import sources
+from ccgen.verify.build import LEVEL, sources
 from ccgen.verify.exported import Exported
 from ccgen.verify.targets.cross import Core
 
-LEVEL = "-O2"
 FLAGS = (
-    LEVEL, "-std=c99", "-ffunction-sections", "-fdata-sections", "-ffp-contract=off",
+    "-std=c99", "-ffunction-sections", "-fdata-sections", "-ffp-contract=off",
     "-fstack-usage",
 )  # fmt: skip
 
@@ -43,8 +42,14 @@ class Built:
     state_bytes: int
 
 
-def build(exported: Exported, core: Core, folder: Path) -> Built:
+def build(exported: Exported, core: Core, folder: Path, level: str = LEVEL) -> Built:
     """Compile every file to an object named after it, and link what the calls need.
+
+    Args:
+        exported: the folder.
+        core: what it is compiled for.
+        folder: for objects and program.
+        level: of the compiler's optimisation.
 
     Raises:
         ToolError: the compiler or the linker does not accept the folder.
@@ -52,7 +57,7 @@ def build(exported: Exported, core: Core, folder: Path) -> Built:
     joint = exported.joint.name
     main = folder / "harness.c"
     main.write_text(harness.source(exported), encoding="utf-8")
-    compiler = [*core.compile, *FLAGS, f"-I{exported.directory / 'src'}"]
+    compiler = [*core.compile, level, *FLAGS, f"-I{exported.directory / 'src'}"]
     objects = []
     for file in (*sources(exported.directory), main):
         objects.append(folder / f"{file.stem}.o")

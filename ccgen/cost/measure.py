@@ -6,20 +6,22 @@ from pathlib import Path
 from typing import Any
 
 from ccgen.cost import stack
-from ccgen.cost.build import CALLS, LEVEL, build
+from ccgen.cost.build import CALLS, build
 from ccgen.cost.cores import RETURN_BYTES, core_named
 from ccgen.cost.instructions import Times, count
 from ccgen.cost.size import Size, read_map
 from ccgen.errors import CheckError
+from ccgen.verify.build import LEVEL
 from ccgen.verify.exported import Exported
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Cost of one folder on one target, compiled with `LEVEL`.
+    """Cost of one folder on one target.
 
     Attributes:
         target: its name.
+        level: of the compiler's optimisation.
         parts: bytes by part; the node includes the runtime, the library is the compiler's.
         state_bytes: RAM that the caller owns for a whole node: state, counts, angles.
         constants_in_ram: whether tables stand in RAM as well.
@@ -28,6 +30,7 @@ class Cost:
     """
 
     target: str
+    level: str
     parts: dict[str, Size]
     state_bytes: int
     constants_in_ram: bool
@@ -61,21 +64,20 @@ class Cost:
         return max(self.stacks.values())
 
     def record(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        unit = self.times.unit
+        """Plain values for JSON; `unit` says what `instructions_per_...` count."""
         return {
             "target": self.target,
-            "optimisation": LEVEL,
+            "optimisation": self.level,
             "flash_bytes": self.flash_bytes,
             "code_bytes": self.code_bytes,
             "constant_bytes": self.constant_bytes,
             "ram_bytes": self.ram_bytes,
             "stack_bytes": self.stack_bytes,
-            "unit": unit,
-            f"{unit}_per_estimate": self.times.estimate,
-            f"{unit}_per_tip_pose": self.times.tip_pose,
-            f"{unit}_per_frame": self.times.frame,
-            f"{unit}_per_snapshot": self.times.snapshot,
+            "unit": self.times.unit,
+            "instructions_per_estimate": self.times.estimate,
+            "instructions_per_tip_pose": self.times.tip_pose,
+            "instructions_per_frame": self.times.frame,
+            "instructions_per_snapshot": self.times.snapshot,
             "parts": {
                 name: {"code_bytes": part.code, "constant_bytes": part.constants}
                 for name, part in self.parts.items()
@@ -84,8 +86,8 @@ class Cost:
         }
 
 
-def measure(exported: Exported, target: str) -> Cost:
-    """Compile a folder for a target and count.
+def measure(exported: Exported, target: str, level: str = LEVEL) -> Cost:
+    """Compile a folder for a target at a level of optimisation, and count.
 
     Raises:
         InputError: unknown target.
@@ -95,7 +97,7 @@ def measure(exported: Exported, target: str) -> Cost:
     core = core_named(target)
     with tempfile.TemporaryDirectory(prefix="ccgen-") as name:
         folder = Path(name)
-        built = build(exported, core, folder)
+        built = build(exported, core, folder, level)
         functions = stack.read_disassembly(built.disassembly, RETURN_BYTES.get(target, 0))
         frames = stack.read_frames(folder)
         joint = exported.joint.name
@@ -106,6 +108,7 @@ def measure(exported: Exported, target: str) -> Cost:
         times = _times(exported, target, built.program, folder, max(stacks.values()))
         return Cost(
             target=target,
+            level=level,
             parts=read_map(built.map, joint),
             state_bytes=built.state_bytes,
             constants_in_ram=not core.constants_in_flash,

@@ -8,14 +8,13 @@ and counts as exported.
 import re
 from collections.abc import Sequence
 
-from ccgen.cost.build import LEVEL
 from ccgen.cost.measure import Cost
 from ccgen.export.manifest import replace_file
 from ccgen.verify.exported import Exported
 
 BEGIN, END = "<!-- ccgen cost: begin -->", "<!-- ccgen cost: end -->"
 
-_TITLES = (
+TITLES = (
     "target", "code", "constants", "RAM", "stack", "estimate", "tip pose", "frame", "snapshot",
 )  # fmt: skip
 
@@ -41,11 +40,11 @@ def markdown(costs: Sequence[Cost]) -> str:
     """A section with one row a target."""
     lines = [
         "## What it costs", "",
-        f"Of a whole node, compiled with `{LEVEL}`: bytes of code and constants with the "
+        f"Of a whole node, compiled with `{costs[0].level}`: bytes of code and constants with the "
         "compiler's own functions, RAM without stack, worst-case stack; the most instructions "
         "(AVR: cycles) that one estimate of both axes, one tip pose, one received frame and one "
         "whole snapshot, from its frames in to its answers out, took. Measured by `ccgen cost`.",
-        "", f"| {' | '.join(_TITLES)} |", f"|---{'|---:' * (len(_TITLES) - 1)}|",
+        "", f"| {' | '.join(TITLES)} |", f"|---{'|---:' * (len(TITLES) - 1)}|",
     ]  # fmt: skip
     lines += [f"| {' | '.join(row)} |" for row in map(row_of, costs)]
     return "\n".join(lines) + "\n"

@@ -14,7 +14,13 @@ WARNINGS = (
 )  # fmt: skip
 """Warnings under which every exported file compiles."""
 
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", *WARNINGS)
+FLAGS = ("-std=c99", "-ffp-contract=off", *WARNINGS)
+
+LEVELS = ("-O0", "-Os", "-O2", "-O3")
+"""Levels of optimisation at which angles are the same, bit for bit."""
+
+LEVEL = "-O2"
+"""The level of optimisation unless another is asked for."""
 
 
 def compiler() -> list[str]:
@@ -46,17 +52,17 @@ def sources(directory: Path) -> list[Path]:
     return found
 
 
-def build_shared(directory: Path, out: Path) -> Path:
+def build_shared(directory: Path, out: Path, level: str = LEVEL) -> Path:
     """Compile the joint and ports/shared into a shared library in the folder `out`."""
     selftest = sorted((directory / "selftest").glob("*_selftest.c"))
     files = [*sources(directory), *selftest, directory / "ports" / "shared" / "shared.c"]
-    return _compile(directory, files, out / "libjoint.so", ["-shared", "-fPIC"])
+    return _compile(directory, files, out / "libjoint.so", [level, "-shared", "-fPIC"])
 
 
-def build_process(directory: Path, out: Path) -> Path:
+def build_process(directory: Path, out: Path, level: str = LEVEL) -> Path:
     """Compile the joint and ports/posix into a program in the folder `out`."""
     files = [*sources(directory), directory / "ports" / "posix" / "main.c"]
-    return _compile(directory, files, out / "node", [])
+    return _compile(directory, files, out / "node", [level])
 
 
 def _compile(directory: Path, files: Sequence[Path], target: Path, flags: list[str]) -> Path:

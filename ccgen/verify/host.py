@@ -11,7 +11,7 @@ from ccgen.can.exchange import Pace
 from ccgen.can.transports.library import library_node
 from ccgen.can.transports.process import process_node
 from ccgen.verify.batch import compare_batches
-from ccgen.verify.build import build_process, build_shared
+from ccgen.verify.build import LEVEL, build_process, build_shared
 from ccgen.verify.bus import verify_bus
 from ccgen.verify.exported import Exported
 from ccgen.verify.inputs import bus_counts
@@ -23,8 +23,14 @@ PACE = Pace(timeout=5.0)
 """As fast as answers come, with patience for a machine that has other work."""
 
 
-def verify(exported: Exported, plan: Plan, report: Progress) -> list[Run]:
+def verify(exported: Exported, plan: Plan, report: Progress, level: str = LEVEL) -> list[Run]:
     """Batches through the shared library, then both buses; a record each.
+
+    Args:
+        exported: the folder.
+        plan: extent.
+        report: of progress.
+        level: of the compiler's optimisation.
 
     Raises:
         ToolError: no compiler, or it does not accept the folder.
@@ -32,8 +38,8 @@ def verify(exported: Exported, plan: Plan, report: Progress) -> list[Run]:
     counts = bus_counts(exported, plan.bus_snapshots(exported.model.segments), plan.seed)
     runs = []
     with tempfile.TemporaryDirectory(prefix="ccgen-") as folder:
-        shared = build_shared(exported.directory, Path(folder))
-        program = build_process(exported.directory, Path(folder))
+        shared = build_shared(exported.directory, Path(folder), level)
+        program = build_process(exported.directory, Path(folder), level)
         library = JointLibrary(shared, exported.model)
         runs.append(compare_batches(exported, library, plan, report))
         nodes: dict[str, Callable[[], AbstractContextManager[can.BusABC]]] = {

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ccgen.errors import ToolError
 from ccgen.export import vectors
+from ccgen.verify.build import LEVEL
 from ccgen.verify.compare import tip_positions
 from ccgen.verify.exported import Exported
 from ccgen.verify.plan import Plan, Progress
@@ -77,7 +78,7 @@ class Printed:
 
 
 def run_batch(
-    exported: Exported, target: str, plan: Plan, report: Progress, options: Sequence[str] = ("-O2",)
+    exported: Exported, target: str, plan: Plan, report: Progress, options: Sequence[str] = (LEVEL,)
 ) -> Printed:
     """Compile the batch firmware and run it in the target's emulator.
 

@@ -10,9 +10,6 @@ from pathlib import Path
 from ccgen.errors import InputError, ToolError
 from ccgen.verify.build import WARNINGS, compiler, sources
 
-LEVELS = ("-O0", "-Os", "-O2", "-O3")
-"""Levels of optimisation at which angles are the same, bit for bit."""
-
 FLAGS = ("-std=c99", "-g", "-ffunction-sections", "-fdata-sections", "-ffp-contract=off", *WARNINGS)
 
 WINDOW_US = 10_000_000

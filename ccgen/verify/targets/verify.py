@@ -8,6 +8,7 @@ from pathlib import Path
 import can
 
 from ccgen.can.exchange import Pace
+from ccgen.verify.build import LEVEL
 from ccgen.verify.bus import verify_bus
 from ccgen.verify.exported import Exported
 from ccgen.verify.inputs import bus_counts
@@ -25,7 +26,7 @@ _PACE = Pace(in_flight=4, timeout=10.0)
 
 
 def verify_target(
-    exported: Exported, target: str, plan: Plan, report: Progress, optimise: str = "-O2"
+    exported: Exported, target: str, plan: Plan, report: Progress, level: str = LEVEL
 ) -> list[Run]:
     """Verify a folder on an emulated core, over its UART and in batches.
 
@@ -34,31 +35,31 @@ def verify_target(
         target: one of `TARGETS`.
         plan: extent; `UART_SNAPSHOTS` over the UART unless it names a number.
         report: of progress.
-        optimise: level of optimisation.
+        level: of the compiler's optimisation.
 
     Raises:
         InputError: unknown target.
         ToolError: a tool is missing, or the firmware does not compile or run.
     """
     require_tools(target)
-    printed = run_batch(exported, target, plan, report, (optimise,))
+    printed = run_batch(exported, target, plan, report, (level,))
     batch = compare_batch(exported, target, plan, printed)
-    return [verify_uart(exported, target, plan, report, optimise), batch]
+    return [verify_uart(exported, target, plan, report, level), batch]
 
 
 def verify_uart(
-    exported: Exported, target: str, plan: Plan, report: Progress, optimise: str = "-O2"
+    exported: Exported, target: str, plan: Plan, report: Progress, level: str = LEVEL
 ) -> Run:
     """Send snapshots over the emulated UART; arguments as for `verify_target`."""
     number = UART_SNAPSHOTS if plan.snapshots is None else plan.snapshots
     counts = bus_counts(exported, number, plan.seed)
-    with emulated_node(exported, target, optimise) as bus:
+    with emulated_node(exported, target, level) as bus:
         return verify_bus(exported, bus, counts, _PACE, report, target, "uart")
 
 
 @contextmanager
 def emulated_node(
-    exported: Exported, target: str, optimise: str = "-O2", options: Sequence[str] = ()
+    exported: Exported, target: str, level: str = LEVEL, options: Sequence[str] = ()
 ) -> Iterator[can.BusABC]:
     """Compile the node for a core and run it in an emulator; gives the bus that it is on.
 
@@ -67,7 +68,7 @@ def emulated_node(
     Args:
         exported: the folder.
         target: one of `TARGETS`.
-        optimise: level of optimisation.
+        level: of the compiler's optimisation.
         options: further flags for the compiler.
 
     Raises:
@@ -76,7 +77,7 @@ def emulated_node(
     """
     require_tools(target)
     core = core_named(target)
-    flags = (optimise, f"-DPORT_WINDOW_US={WINDOW_US}u", *options)
+    flags = (level, f"-DPORT_WINDOW_US={WINDOW_US}u", *options)
     with tempfile.TemporaryDirectory() as name:
         out = Path(name)
         program = build(exported.directory, core, "node", out, flags)
