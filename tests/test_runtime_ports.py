@@ -348,9 +348,37 @@ def test_socketcan_carries_can_fd():
         assert np.frombuffer(angles[3:51], "<i2").tolist() == expected()
 
 
-def test_socketcan_names_an_interface_that_is_not_there():
-    done = subprocess.run(
-        [build_program("socketcan"), "vcan_none"], capture_output=True, check=False
-    )
+def socketcan(*arguments: str) -> subprocess.CompletedProcess[bytes]:
+    program = build_program("socketcan")
+    return subprocess.run([program, *arguments], capture_output=True, timeout=60, check=False)
+
+
+@pytest.mark.parametrize("window", [(), ("--window-ms", "1"), ("--window-ms", "300000")])
+def test_socketcan_names_an_interface_that_is_not_there(window):
+    done = socketcan(*window, "vcan_none")
     assert done.returncode == 2
     assert done.stderr.startswith(b"vcan_none: cannot be opened:")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        ((), "INTERFACE"), (("-x",), "INTERFACE"), (("can0", "can1"), "INTERFACE"),
+        (("--window-ms", "5"), "INTERFACE"), (("--window-ms",), "--window-ms"),
+        (("--window-ms", "0", "can0"), "--window-ms"),
+        (("--window-ms", "300001", "can0"), "--window-ms"),
+        (("--window-ms", "1x", "can0"), "--window-ms"), (("--window-ms", "", "x"), "--window-ms"),
+    ],
+)  # fmt: skip
+def test_socketcan_says_wrong_arguments_in_one_line(arguments, word):
+    done = socketcan(*arguments)
+    assert done.returncode == 2
+    assert word in done.stderr.decode()
+    assert done.stderr.count(b"\n") == 1
+    assert done.stdout == b""
+
+
+def test_socketcan_has_its_help_on_standard_output():
+    done = socketcan("--help")
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"--window-ms" in done.stdout

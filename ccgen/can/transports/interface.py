@@ -10,6 +10,9 @@ from ccgen.can.layout import FrameLayout
 from ccgen.can.transports.slcan import BlockSlcanBus
 from ccgen.errors import InputError
 
+_CHANNELS = {"slcan": "a serial device", "socketcan": "a network interface, such as can0,"}
+"""The interfaces with a bus class of our own, and what their channel is."""
+
 
 @contextmanager
 def interface_node(
@@ -17,14 +20,14 @@ def interface_node(
 ) -> Iterator[can.BusABC]:
     """Open the bus that a running node is on.
 
-    SLCAN devices are read in blocks, everything else is opened by python-can. Frames far from the
-    joint's identifiers are filtered out.
+    SLCAN devices are read in blocks, SocketCAN waits for room in its queue, everything else is
+    python-can's own. Frames far from the joint's identifiers are filtered out.
 
     Args:
         layout: of the joint.
         interface: a name that python-can knows, such as "socketcan" or "slcan".
         channel: the interface's name for the bus, such as "can0" or "/dev/ttyACM0".
-        bitrate: bits per second; None leaves the interface as it is set up.
+        bitrate: bits per second; None leaves the interface as it is set up, as SocketCAN always is.
 
     Raises:
         InputError: python-can does not know the interface or cannot open it.
@@ -43,13 +46,18 @@ def _open(
     layout: FrameLayout, interface: str, channel: str | None, bitrate: int | None
 ) -> can.BusABC:
     options: dict[str, Any] = {} if bitrate is None else {"bitrate": bitrate}
-    if interface != "slcan":
+    if interface not in _CHANNELS:
         if layout.fd:
             options["fd"] = True
         return can.Bus(interface=interface, channel=channel, **options)
     if channel is None:
-        raise ValueError("name a serial device with --channel")
-    return BlockSlcanBus(channel, **options)
+        raise ValueError(f"name {_CHANNELS[interface]} with --channel")
+    if interface == "slcan":
+        return BlockSlcanBus(channel, **options)
+    # Imported here: it exists on Linux alone.
+    from ccgen.can.transports.socketcan import PatientSocketcanBus
+
+    return PatientSocketcanBus(channel, layout.fd)
 
 
 def _neighbourhood(layout: FrameLayout) -> can.typechecking.CanFilter:

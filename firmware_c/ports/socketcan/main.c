@@ -2,12 +2,17 @@
  * \file main.c
  * \brief The joint as a node on a Linux CAN interface, real or virtual.
  *
- *     node INTERFACE
+ *     node [--window-ms N] INTERFACE
  *
- * port_joint.h, generated for each joint, gives port_node_t with port_node_init, port_node_receive
- * and port_node_transmit. A frame that the interface cannot take yet is kept, and nothing is read
- * until it has gone. Ends with status 0 at SIGTERM or SIGINT; 1 on an error of the interface; 2 on
- * wrong arguments.
+ * To compile it, in the exported folder:
+ *
+ *     cc -std=c99 -O2 -Isrc -Iports $(find src -name "*.c") ports/socketcan/main.c -o node
+ *
+ * port_joint.h, generated for each joint, gives port_node_t with port_node_init, port_node_receive,
+ * port_node_transmit and port_node_set_window. A frame that the interface cannot take yet is kept,
+ * and nothing is read until it has gone. A snapshot's time is taken when its frames are read: a
+ * machine that pauses this process or the sender for longer than a cycle needs a wider window.
+ * Ends with status 0 at SIGTERM or SIGINT; 1 on an error of the interface; 2 on wrong arguments.
  */
 #if !defined(_GNU_SOURCE)
 #define _GNU_SOURCE
@@ -30,6 +35,7 @@
 #include "port_joint.h"
 
 #define TICK_MS 1
+#define WINDOW_MS_MAX 300000
 
 enum { EXIT_INTERFACE = 1, EXIT_USAGE = 2 };
 
@@ -171,23 +177,74 @@ static void catch_signals(void) {
     (void)sigaction(SIGINT, &action, NULL);
 }
 
+static void print_usage(FILE *const to, const char *const program) {
+    (void)fprintf(to,
+                  "usage: %s [--window-ms N] INTERFACE\n\n"
+                  "The joint's CAN node, on a network interface such as can0 or vcan0.\n\n"
+                  "  --window-ms N  time within which the frames of a snapshot must arrive\n"
+                  "  --help         this text\n",
+                  program);
+}
+
+/** \return whether `text` is a window in milliseconds, which the node then has. */
+static bool set_window(port_node_t *const node, const char *const text) {
+    char *end = NULL;
+    const long window_ms = strtol(text, &end, 10);
+    return (end != text) && (*end == '\0') && (window_ms >= 1) && (window_ms <= WINDOW_MS_MAX) &&
+           (port_node_set_window(node, (uint32_t)window_ms * 1000u) == CCGEN_OK);
+}
+
+/** \return the interface's name; NULL after saying on standard error what is wrong. */
+static const char *read_arguments(const int argc, char *const argv[], port_node_t *const node) {
+    int next = 1;
+    if ((argc >= 2) && (strcmp(argv[1], "--window-ms") == 0)) {
+        if ((argc < 3) || !set_window(node, argv[2])) {
+            (void)fprintf(stderr, "%s: --window-ms needs 1 to %d\n", argv[0], WINDOW_MS_MAX);
+            return NULL;
+        }
+        next = 3;
+    }
+    if ((argc != (next + 1)) || (argv[next][0] == '-')) {
+        (void)fprintf(stderr, "%s: needs one INTERFACE; see --help\n", argv[0]);
+        return NULL;
+    }
+    return argv[next];
+}
+
+/** Says what ended the node and what to do about it. */
+static void complain(const char *const name, const int error) {
+    if (error == ENETDOWN) {
+        (void)fprintf(stderr, "%s: is down; `ip link set %s up`\n", name, name);
+    } else if (error == EINVAL) { /* what the kernel says to a frame of a size it does not take */
+        (void)fprintf(stderr,
+                      "%s: takes no CAN FD frames; set it down, then `ip link set %s mtu 72 up` "
+                      "if it is virtual, `ip link set %s up type can ... fd on` if not\n",
+                      name, name, name);
+    } else {
+        (void)fprintf(stderr, "%s: %s\n", name, strerror(error));
+    }
+}
+
 int main(int argc, char *argv[]) {
     port_node_t node;
-    if ((argc != 2) || (argv[1][0] == '-')) {
-        const bool asked = (argc == 2) && (strcmp(argv[1], "--help") == 0);
-        (void)fprintf(asked ? stdout : stderr, "usage: %s INTERFACE\n", argv[0]);
-        return asked ? EXIT_SUCCESS : EXIT_USAGE;
+    if ((argc == 2) && (strcmp(argv[1], "--help") == 0)) {
+        print_usage(stdout, argv[0]);
+        return EXIT_SUCCESS;
     }
-    const int can = open_interface(argv[1]);
+    (void)port_node_init(&node);
+    const char *const name = read_arguments(argc, argv, &node);
+    if (name == NULL) {
+        return EXIT_USAGE;
+    }
+    const int can = open_interface(name);
     if (can < 0) {
-        (void)fprintf(stderr, "%s: cannot be opened: %s\n", argv[1], strerror(errno));
+        (void)fprintf(stderr, "%s: cannot be opened: %s\n", name, strerror(errno));
         return EXIT_USAGE;
     }
     catch_signals();
-    (void)port_node_init(&node);
     const int result = run(can, &node);
     if (result < 0) {
-        (void)fprintf(stderr, "%s: %s\n", argv[1], strerror(errno));
+        complain(name, errno);
     }
     (void)close(can);
     return (result < 0) ? EXIT_INTERFACE : EXIT_SUCCESS;
