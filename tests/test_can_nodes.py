@@ -5,8 +5,10 @@ speed of the machine.
 """
 
 import threading
+import time
 from dataclasses import dataclass
 from functools import reduce
+from itertools import takewhile
 from operator import or_
 from pathlib import Path
 
@@ -154,6 +156,20 @@ def test_the_status_says_what_was_wrong_with_the_traffic(built, traffic, fault, 
     reported = reduce(or_, (status.faults for status in statuses))
     assert reported & ~(1 << FAULTS.index("STALE")) == 1 << FAULTS.index(fault)
     assert statuses[-1].sample_counter == snapshots
+
+
+@pytest.mark.parametrize("kind", ["library", "process"])
+def test_a_sender_that_is_held_up_within_a_snapshot_loses_nothing(built, kind):
+    exported = built.exported
+    frames = exported.codec.encode([1, 2, 3, 4], 0)
+    with node(built, kind) as bus:
+        bus.send(frames[0])
+        time.sleep(0.1)  # ten cycles
+        for frame in frames[1:]:
+            bus.send(frame)
+        received = (exported.codec.decode(bus.recv(5.0)) for _ in range(1000))
+        before_tip = [decoded.kind for decoded in takewhile(lambda d: d.kind != "tip", received)]
+    assert before_tip.count("angles") == exported.layout.angles_frames
 
 
 def test_a_library_that_is_none_is_named(tmp_path, built):

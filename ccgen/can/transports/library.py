@@ -1,8 +1,9 @@
 """A node in this process: the C as a shared library, served on python-can's virtual bus.
 
 The node's clock is not the machine's: it advances by one cycle with each snapshot and with each
-silence. What the node publishes therefore depends on the frames alone, not on how the operating
-system shares out the processor.
+silence, and a snapshot's frames have all the time that a busy machine may need. What the node
+publishes therefore depends on the frames alone, not on how the operating system shares out the
+processor.
 """
 
 import ctypes
@@ -17,6 +18,7 @@ import can
 from can.interfaces.virtual import VirtualBus
 
 from ccgen.can.layout import FrameLayout
+from ccgen.can.transports import WINDOW_MS
 from ccgen.errors import ToolError
 
 _SILENCE = 0.02
@@ -58,10 +60,13 @@ class _Node:
             self._transmit = self._functions.ccgen_shared_node_transmit
             self._state = ctypes.create_string_buffer(size())
             result = self._functions.ccgen_shared_node_init(self._state)
+            set_window = self._functions.ccgen_shared_node_set_window
+            set_window.argtypes = (ctypes.c_char_p, ctypes.c_uint32)
         except (OSError, AttributeError) as error:
             raise ToolError(f"{library}: is no node's library: {error}") from error
         if result != 0:
             raise ToolError(f"{library}: the node does not start: error {result}")
+        set_window(self._state, 1000 * WINDOW_MS)
         self._receive.argtypes = (
             ctypes.c_char_p, ctypes.c_uint32, ctypes.c_int, ctypes.c_int, ctypes.c_size_t,
             ctypes.c_char_p, ctypes.c_uint32,

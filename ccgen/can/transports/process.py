@@ -10,14 +10,12 @@ from pathlib import Path
 
 import can
 
+from ccgen.can.transports import WINDOW_MS
 from ccgen.can.transports.slcan import BlockSlcanBus
 from ccgen.errors import ToolError
 
 _GRACE = 2.0
 """Seconds that a process has to end by itself once its line is closed."""
-
-WINDOW_MS = 1000
-"""Time that a snapshot's frames may take: what a busy machine may need, not what a bus does."""
 
 
 @contextmanager

@@ -12,9 +12,6 @@ from ccgen.verify.build import WARNINGS, compiler, sources
 
 FLAGS = ("-std=c99", "-g", "-ffunction-sections", "-fdata-sections", "-ffp-contract=off", *WARNINGS)
 
-WINDOW_US = 10_000_000
-"""Time for a snapshot's frames to come in: an emulator stands still when its host is busy."""
-
 
 @dataclass(frozen=True)
 class Tool:

@@ -8,6 +8,7 @@ from pathlib import Path
 import can
 
 from ccgen.can.exchange import Pace
+from ccgen.can.transports import WINDOW_MS
 from ccgen.verify.build import LEVEL
 from ccgen.verify.bus import verify_bus
 from ccgen.verify.exported import Exported
@@ -15,7 +16,7 @@ from ccgen.verify.inputs import bus_counts
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 from ccgen.verify.targets.batch import compare_batch, run_batch
-from ccgen.verify.targets.cross import WINDOW_US, build, core_named, require_tools
+from ccgen.verify.targets.cross import build, core_named, require_tools
 from ccgen.verify.targets.emulator import running_node
 
 UART_SNAPSHOTS = 1_000
@@ -77,7 +78,7 @@ def emulated_node(
     """
     require_tools(target)
     core = core_named(target)
-    flags = (level, f"-DPORT_WINDOW_US={WINDOW_US}u", *options)
+    flags = (level, f"-DPORT_WINDOW_US={1000 * WINDOW_MS}u", *options)
     with tempfile.TemporaryDirectory() as name:
         out = Path(name)
         program = build(exported.directory, core, "node", out, flags)
