@@ -46,6 +46,13 @@ class Transducer:
     """One standard deviation of the length, metres; None when unknown."""
     range: tuple[int, int] | None
     """Lowest and highest count of a reading; None for what the shapes need and a quarter more."""
+    own: frozenset[str] = field(default=frozenset(), compare=False)
+    """Keys that the axis has in a table of its own."""
+
+    def key(self, axis: str, name: str) -> str:
+        """Full name of the key in the joint file that axis "u" or "v" has a value from."""
+        table = f"sensors.{axis}" if name in self.own else "sensors"
+        return f"{table}.transducer.{name}"
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ import pytest
 
 from ccgen.errors import InputError
 from ccgen.export import vectors
-from ccgen.export.context import percent
 from ccgen.export.manifest import changed_files
 from ccgen.export.package import export
 from ccgen.fixedpoint import load_model
@@ -231,8 +230,3 @@ def test_a_single_wrong_value_changes_the_checksum():
         wrong = values.copy()
         wrong[rng.integers(20), rng.integers(6)] ^= 1 << int(rng.integers(32))
         assert vectors.checksum(wrong) != right
-
-
-def test_a_bound_in_print_is_never_below_the_bound():
-    for value in (0.0511913, 1.0e-9, 99.95, 0.1, 7.64e-07):
-        assert value <= float(percent(value)) * (1 + 1e-9) <= 1.02 * value

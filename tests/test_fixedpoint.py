@@ -1,3 +1,4 @@
+import re
 from dataclasses import replace
 from fractions import Fraction
 from types import SimpleNamespace
@@ -170,19 +171,47 @@ def test_readings_outside_the_range_are_missing_and_not_estimated():
         axis.estimate(counts)
 
 
-def test_shapes_that_need_more_counts_than_there_are_name_sensor_and_remedy():
-    with pytest.raises(FormatError, match=r"sensor 0 of axis u \(span \[0, 4\]\).*16 bits hold"):
-        model_of(step=2e-7)
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"step": 2e-7}, r"sensor 2 of axis u \(span \[7, 11\]\) needs counts of .* 16 bits hold"),
+        ({"bits": 8}, "8 bits hold ±127;"),
+        ({"bits": 3, "step": 2e-3}, "3 bits hold ±3;"),
+        ({"precision": 32, "bits": 20, "step": 1e-9}, "20 bits hold ±524287;"),
+        ({"precision": 32, "step": 1.2e-11}, "32 bits hold ±1073741823 and their differences;"),
+        ({"step": 0.05}, "moves less than half a count"),
+    ],
+)
+def test_a_transducer_too_fine_or_too_coarse_is_refused_with_remedies_that_work(options, said):
+    with pytest.raises(FormatError, match=said) as refused:
+        model_of(**options)
+    message = str(refused.value)
+    step = re.search(r"at (?:least|most) (\S+) m per count", message)
+    model_of(**options | {"step": float(step[1])})
+    for bits, widened in re.findall(r"bits = (\d+)( with fixed_point.precision = 32)?", message):
+        precision = 32 if widened else options.get("precision", 16)
+        model_of(**options | {"bits": int(bits), "precision": precision})
+
+
+def test_with_so_few_bits_only_more_bits_help():
+    with pytest.raises(FormatError, match=r"2 bits hold ±1; use bits = \d+$"):
+        model_of(bits=2)
+
+
+def test_the_difference_of_any_count_and_zero_fits_32_bits():
+    axis = model_of(precision=32, step=2.4e-11).model.u
+    assert 2**30 < (axis.maximum - axis.minimum).max() <= 2**31 - 1
+
+
+def test_a_message_names_the_key_that_the_axis_has_itself():
+    for key in ("metres_per_count = 1e-9", "range = [-900, 900]"):
+        with pytest.raises(FormatError, match=rf"sensors\.v\.transducer\.{key.split()[0]}: .* v "):
+            model_of(extra=f"[sensors.v.transducer]\n{key}")
 
 
 def test_a_declared_range_that_the_shapes_leave_is_refused():
     with pytest.raises(FormatError, match=r"range: sensor 2 .* reaches ±\d+ .*\[-900, 900\]"):
         model_of(extra="range = [-900, 900]")
-
-
-def test_a_transducer_too_coarse_to_move_is_refused():
-    with pytest.raises(FormatError, match="moves less than half a count"):
-        model_of(step=0.05)
 
 
 def test_a_range_wider_than_a_32_bit_difference_is_refused():

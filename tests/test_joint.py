@@ -1,6 +1,5 @@
 """What a joint file may hold, and what is said of one that is wrong."""
 
-import dataclasses
 import math
 import re
 import subprocess
@@ -12,7 +11,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ccgen.errors import InputError
-from ccgen.joint import CASES, METHODS, AxisSensors, Can, Joint, Shapes, parse_joint, read_joint
+from ccgen.joint import (
+    CASES,
+    METHODS,
+    AxisSensors,
+    Can,
+    Joint,
+    Shapes,
+    Transducer,
+    parse_joint,
+    read_joint,
+)
 from ccgen.joint_file.names import LONGEST_NAME, name_problem
 from ccgen.joint_file.tables import AxisTable, EstimatorTable, JointTable, ShapesTable
 from ccgen.layouts import LAYOUTS
@@ -67,7 +76,7 @@ def test_what_the_file_leaves_out_has_its_default():
     assert (joint.geometry.segments, joint.geometry.length) == (12, 0.24)
     assert joint.u == joint.v == joint.axis("u")
     assert (joint.u.placement, joint.u.spans) == ("heuristic", ((0, 4), (3, 8), (7, 11)))
-    assert dataclasses.astuple(joint.u.transducer) == (16, 2e-6, None, None)
+    assert joint.u.transducer == Transducer(16, 2e-6, None, None)
     assert joint.shapes == Shapes(CASES, fit_samples=30, score_samples=10)
     assert (joint.method, joint.precision) == ("wam", 16)
     assert joint.can == Can(0x300, extended=False, fd=False, bitrate=1_000_000, cycle_ms=10)
@@ -144,9 +153,10 @@ def test_one_axis_replaces_single_keys():
         "[sensors.v.transducer]\nnoise = 1e-5\nrange = [-10, 20]"
     )
     assert (len(joint.u.spans), joint.u.radius) == (2, 0.05)
-    assert dataclasses.astuple(joint.u.transducer) == (16, 2e-6, None, None)
+    assert joint.u.transducer == Transducer(16, 2e-6, None, None)
     assert (len(joint.v.spans), joint.v.radius) == (4, 0.04)
-    assert dataclasses.astuple(joint.v.transducer) == (16, 2e-6, 1e-5, (-10, 20))
+    assert joint.v.transducer.own == {"noise", "range"}
+    assert joint.v.transducer == Transducer(16, 2e-6, 1e-5, (-10, 20))
 
 
 @pytest.mark.parametrize(

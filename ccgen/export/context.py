@@ -8,6 +8,7 @@ import numpy as np
 from ccgen import FORMAT_VERSION, __version__
 from ccgen.can.layout import FrameLayout
 from ccgen.can.load import load_percent
+from ccgen.digits import at_least
 from ccgen.estimation import (
     Weights,
     noise_gain,
@@ -64,7 +65,7 @@ def can_context(layout: FrameLayout, joint: Joint) -> dict[str, Any]:
     return {
         "layout": layout,
         "bitrate": joint.can.bitrate,
-        "bus_load_percent": percent(load_percent(layout, joint.can.bitrate)),
+        "bus_load_percent": at_least(load_percent(layout, joint.can.bitrate)),
         "profile": "P05" if layout.fd else "P01",
         "tip_metres_per_step": float_literal(2.0**-layout.tip_fraction_bits),
         "tip_steps_per_metre": float_literal(2.0**layout.tip_fraction_bits),
@@ -94,14 +95,6 @@ def float_literal(value: float) -> str:
     return (text if "." in text or "e" in text else text + ".0") + "f"
 
 
-def percent(value: float) -> str:
-    """An upper bound in per cent with three digits, rounded up so that it still holds."""
-    if value <= 0.0:
-        return "0"
-    step = 10.0 ** (math.floor(math.log10(value)) - 2)
-    return f"{math.ceil(value / step * (1.0 - 1e-12)) * step:.3g}"
-
-
 def _axis_context(
     joint: Joint, axis: AxisModel, weights: Weights, library: ShapeLibrary
 ) -> dict[str, Any]:
@@ -127,7 +120,7 @@ def _axis_context(
         **_bias_context(axis),
         "words_per_row": (axis.sensors + 1) // 2,
         "rows": [{"weights": w, "pairs": _pairs(w)} for w in axis.weights.tolist()],
-        "worst_error_percent_rom": percent(axis.worst_error_percent_rom),
+        "worst_error_percent_rom": at_least(axis.worst_error_percent_rom),
         "rms_error_percent_rom": f"{axis.rms_error_percent_rom:.2g}",
         "score_percent_rom": f"{score_percent_rom(weights, library):.3g}",
         "noise_gain": f"{noise_gain(weights):.3g}",

@@ -16,7 +16,14 @@ from ccgen.errors import FormatError
 from ccgen.estimation import Weights
 from ccgen.fixedpoint import bounds
 from ccgen.fixedpoint.model import AxisModel, FixedPointModel, Floats, Integers
-from ccgen.fixedpoint.ranges import MARGIN, CountRange, count_gains, count_range, counts_of
+from ccgen.fixedpoint.ranges import (
+    MARGIN,
+    CountRange,
+    count_gains,
+    count_range,
+    counts_of,
+    sensor_place,
+)
 from ccgen.joint import AXES, Joint
 from ccgen.shapes import ShapeLibrary
 
@@ -34,7 +41,7 @@ class _Format:
 
     @property
     def largest_angle(self) -> int:
-        return self.accumulator >> self.shift
+        return -(-self.accumulator >> self.shift)  # a negative one is rounded away from 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,11 +82,10 @@ def _quantise_axis(joint: Joint, name: str, weights: Weights, library: ShapeLibr
     best = _choose(axis, float(np.abs(ideal).max()))
     if best is None:
         j = int(np.argmax(ranges.span))
-        a, b = sensors.spans[j]
         raise FormatError(
-            f"{joint.source}: sensors.transducer.range: sensor {j} of axis {name} (span [{a}, {b}],"
-            f" {ranges.span[j]} counts wide) leaves no {joint.precision}-bit format for the weights"
-            f"; narrow the range" + ("" if joint.precision == 32 else " or use precision = 32")
+            f"{sensor_place(joint, name, 'range', j)} is {ranges.span[j]} counts wide and leaves "
+            f"no {joint.precision}-bit format for the weights; narrow the range"
+            + ("" if joint.precision == 32 else " or use precision = 32")
         )
     percent = 100.0 / joint.geometry.range_of_motion
     angles = (counts @ best.weights.T + best.bias) >> best.shift

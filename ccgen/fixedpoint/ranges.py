@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ccgen.digits import at_least, at_most
 from ccgen.errors import FormatError
 from ccgen.estimation import Weights, readings
 from ccgen.fixedpoint.model import Floats, Integers
@@ -12,7 +13,6 @@ from ccgen.shapes import ShapeLibrary
 
 MARGIN = 1.25
 """A range that is not declared covers what the shapes need and a quarter more."""
-
 
 DIFFERENCE_LIMIT = 2**31 - 1
 """The estimator holds the difference of a count and a zero in 32 bits."""
@@ -52,8 +52,7 @@ def counts_of(sensors: AxisSensors, angles: Floats) -> Integers:
     Returns:
         Shape (k, n).
     """
-    lengths = readings(angles, sensors.spans) * lengths_per_radian(sensors)
-    return np.rint(lengths / sensors.transducer.metres_per_count).astype(np.int64)
+    return np.rint(_lengths(sensors, angles) / sensors.transducer.metres_per_count).astype(np.int64)
 
 
 def count_range(joint: Joint, axis: str, library: ShapeLibrary) -> CountRange:
@@ -64,42 +63,68 @@ def count_range(joint: Joint, axis: str, library: ShapeLibrary) -> CountRange:
             message names the sensor.
     """
     sensors = joint.axis(axis)
-    transducer = sensors.transducer
-    limit = 2 ** (transducer.bits - 1) - 1
     needed = np.abs(counts_of(sensors, library.angles)).max(axis=0)
-    if transducer.range is not None:
-        return _declared_range(joint, axis, needed, *transducer.range)
+    if sensors.transducer.range is not None:
+        return _declared_range(joint, axis, needed, *sensors.transducer.range)
     wanted = np.ceil(needed * MARGIN).astype(np.int64)
-    for j, (a, b) in enumerate(sensors.spans):
-        if wanted[j] > limit:
-            step = transducer.metres_per_count * float(wanted[j]) / limit
-            raise FormatError(
-                f"{joint.source}: sensors.transducer.metres_per_count: sensor {j} of axis {axis} "
-                f"(span [{a}, {b}]) needs counts of ±{wanted[j]}, {transducer.bits} bits hold "
-                f"±{limit}; use at least {step:.3g} m per count"
-                + (" or fixed_point.precision = 32" if joint.precision == 16 else "")
-            )
-        if wanted[j] == 0:
-            raise FormatError(
-                f"{joint.source}: sensors.transducer.metres_per_count: sensor {j} of axis {axis} "
-                f"(span [{a}, {b}]) moves less than half a count over the range of motion; "
-                f"use a finer transducer"
-            )
+    moves = np.abs(_lengths(sensors, library.angles)).max(axis=0)
+    most, least = int(np.argmax(moves)), int(np.argmin(moves))
+    if wanted[most] > _count_limit(sensors.transducer.bits):
+        raise FormatError(_too_fine(joint, axis, most, int(wanted[most]), float(moves[most])))
+    if wanted[least] == 0:
+        raise FormatError(
+            f"{sensor_place(joint, axis, 'metres_per_count', least)} moves less than half a count "
+            f"over the range of motion; use at most {at_most(float(moves[least]))} m per count"
+        )
     return CountRange(-wanted, wanted)
+
+
+def _count_limit(bits: int) -> int:
+    """Largest count of a range that is as wide on both sides of 0."""
+    return int(min(2 ** (bits - 1) - 1, DIFFERENCE_LIMIT // 2))
+
+
+def _too_fine(joint: Joint, axis: str, j: int, wanted: int, move: float) -> str:
+    """What is wrong with a sensor that needs more counts than there are, and the remedies."""
+    bits, limit = joint.axis(axis).transducer.bits, _count_limit(joint.axis(axis).transducer.bits)
+    remedies = []
+    if limit > MARGIN:
+        remedies.append(f"at least {at_least(move / int(limit / MARGIN))} m per count")
+    enough = next((b for b in range(bits + 1, 33) if wanted <= _count_limit(b)), None)
+    if enough is not None:
+        widen = " with fixed_point.precision = 32" if enough > joint.precision else ""
+        remedies.append(f"bits = {enough}{widen}")
+    return (
+        f"{sensor_place(joint, axis, 'metres_per_count', j)} needs counts of ±{wanted}, "
+        f"{bits} bits hold ±{limit}{' and their differences' if bits == 32 else ''}; "
+        f"use {' or '.join(remedies)}"
+    )
 
 
 def _declared_range(joint: Joint, axis: str, needed: Integers, low: int, high: int) -> CountRange:
     j = int(np.argmax(needed))
-    a, b = joint.axis(axis).spans[j]
-    sensor = f"{joint.source}: sensors.transducer.range: sensor {j} of axis {axis} (span [{a}, {b}]"
+    sensor = sensor_place(joint, axis, "range", j)
     if needed[j] > min(-low, high):
         raise FormatError(
-            f"{sensor}) reaches ±{needed[j]} counts over the range of motion, [{low}, {high}] "
-            f"does not; widen it or raise sensors.transducer.metres_per_count"
+            f"{sensor} reaches ±{needed[j]} counts over the range of motion, [{low}, {high}] "
+            f"does not; widen it or raise metres_per_count"
         )
     if high - low > DIFFERENCE_LIMIT:
         raise FormatError(
-            f"{sensor}) is {high - low} counts wide, the 32-bit difference of a count and a zero "
+            f"{sensor} is {high - low} counts wide, the 32-bit difference of a count and a zero "
             f"holds {DIFFERENCE_LIMIT}; narrow it"
         )
     return CountRange(np.full_like(needed, low), np.full_like(needed, high))
+
+
+def sensor_place(joint: Joint, axis: str, key: str, j: int) -> str:
+    """Where a sensor's key stands, and which sensor it is."""
+    sensors = joint.axis(axis)
+    a, b = sensors.spans[j]
+    place = f"{joint.source}: {sensors.transducer.key(axis, key)}"
+    return f"{place}: sensor {j} of axis {axis} (span [{a}, {b}])"
+
+
+def _lengths(sensors: AxisSensors, angles: Floats) -> Floats:
+    """Changes of length in metres at these shapes; shape (k, n)."""
+    return np.asarray(readings(angles, sensors.spans) * lengths_per_radian(sensors))

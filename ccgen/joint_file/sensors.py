@@ -152,6 +152,7 @@ def _transducer(overlay: _Overlay, precision: int) -> Transducer:
         metres_per_count=metres_per_count,
         noise=overlay.transducer("noise"),
         range=None if limits is None else (limits[0], limits[1]),
+        own=frozenset(overlay.own.transducer.model_dump(exclude_none=True)),
     )
 
 
