@@ -1,5 +1,6 @@
 # make demo   the main job on an example: fit, export, verify, a plot
 # make test   everything the tests need, then all of them
+# make vcan   the SocketCAN node on a real vcan, in a kernel that runs as a process
 PYTHON ?= python3
 VENV ?= .venv
 OUT ?= out
@@ -17,7 +18,7 @@ TOOLS := gcc:gcc g++:g++ clang:clang cmake:cmake \
   arduino-builder:arduino-builder arduino-builder:arduino-core-avr \
   qemu-system-arm:qemu-system-arm qemu-system-riscv32:qemu-system-misc
 
-.PHONY: demo test lint tools benchmark clean
+.PHONY: demo test vcan lint tools benchmark clean
 
 demo: $(VENV)/.installed
 	@mkdir -p $(OUT)
@@ -32,6 +33,10 @@ demo: $(VENV)/.installed
 
 test: tools $(VENV)/.test-installed lint
 	$(BIN)/pytest -n 2 --dist worksteal
+
+vcan: TOOLS := gcc:gcc linux.uml:user-mode-linux insmod:kmod ip:iproute2 candump:can-utils
+vcan: tools $(VENV)/.test-installed
+	$(BIN)/python tests/vcan/run.py
 
 lint: $(VENV)/.test-installed
 	$(BIN)/ruff check .
