@@ -3,11 +3,14 @@
 import os
 import shutil
 import signal
+import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from ccgen.can.exchange import Pace, exchange
+from ccgen.cli.main import app
 from ccgen.errors import ToolError
 from ccgen.export.package import export
 from ccgen.verify.exported import open_exported
@@ -16,6 +19,7 @@ from ccgen.verify.plan import Plan, silent
 from ccgen.verify.targets import TARGETS, emulated_node, missing_tools, verify_target
 from ccgen.verify.targets.batch import Printed, run_batch
 from ccgen.verify.targets.cross import CORES, Tool, build
+from ccgen.verify.targets.emulator import run_to_end
 
 JOINT = """
 name = "{name}"
@@ -114,6 +118,45 @@ def test_a_batch_that_stops_halfway_is_no_success(joints, tmp_path):
     exported = open_exported(with_program(joints, tmp_path, program))
     with pytest.raises(ToolError, match="ended before its last line"):
         run_batch(exported, "cortex-m0", Plan(values=1), silent)
+
+
+SLOW = "import time\nfor k in range(8):\n    time.sleep(0.5)\n    print(k, flush=True)\n"
+
+
+def test_firmware_may_take_long_as_long_as_it_says_something():
+    said = []
+    run_to_end([sys.executable, "-c", SLOW], 3.0, said.append)  # less than the whole
+    assert said == [str(k) for k in range(8)]
+
+
+def test_firmware_that_falls_silent_is_stopped_and_half_a_line_is_none():
+    program = "import time\nprint('one')\nprint('tw', end='', flush=True)\ntime.sleep(600)"
+    said = []
+    with pytest.raises(ToolError, match="printed no line for 1 s and was stopped"):
+        run_to_end([sys.executable, "-c", program], 1.0, said.append)
+    assert said in (["one"], [])  # a busy machine may not have started it
+
+
+def test_endless_output_without_a_line_is_no_line_of_the_firmware():
+    program = "while True:\n    print('x' * 100, end='', flush=True)"
+    said = []
+    with pytest.raises(ToolError):
+        run_to_end([sys.executable, "-c", program], 60.0, said.append)
+    assert len(said) == 1
+
+
+def test_targets_that_were_done_are_shown_when_a_later_one_cannot_be(joints, monkeypatch):
+    def failing(exported, target, *more):
+        if target == "avr":
+            raise ToolError("avr: no such luck")
+        return verify_target(exported, target, *more)
+
+    monkeypatch.setattr("ccgen.verify.target.targets.verify_target", failing)
+    options = ["--target", "cortex-m0", "--target", "avr", "--snapshots", "5", "--values", "100"]
+    result = CliRunner().invoke(app, ["verify", str(joints / "wrist"), *options])
+    assert result.exit_code == 2
+    assert "cortex-m0, batch" in result.stdout
+    assert "avr: no such luck" in result.stderr
 
 
 @pytest.mark.parametrize("line", ["", "angles 0", "tip 1 2", "angles 0 xyz", "Hello", "vectors 1"])

@@ -8,6 +8,7 @@ import typer
 
 from ccgen.cli.choices import Level, Optimise
 from ccgen.cli.output import note, print_json, progress_bars, results
+from ccgen.errors import ToolError
 
 if TYPE_CHECKING:
     from ccgen.verify.run import Run
@@ -62,12 +63,15 @@ def verify(
     for file in exported.changed:
         note(f"warning: {directory / file} differs from what was exported; export again to undo")
     plan = Plan(snapshots, values, seed)
-    with progress_bars() as report:
-        runs = [
-            run
-            for name in _names(target or ["host"])
-            for run in verify_target(exported, name, plan, report, f"-O{optimise.value}")
-        ]
+    runs: list[Run] = []
+    try:
+        with progress_bars() as report:
+            for name in _names(target or ["host"]):
+                runs += verify_target(exported, name, plan, report, f"-O{optimise.value}")
+    except ToolError:
+        if runs and not json:
+            _show(runs)
+        raise
     if json:
         print_json({"runs": [run.record() for run in runs]})
     else:

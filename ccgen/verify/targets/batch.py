@@ -31,7 +31,8 @@ BLOCK = 256
 POSES = 64
 """Tip poses that are computed on the target."""
 
-_TIMEOUT = 600.0
+_SILENCE = 300.0
+"""Seconds without a line: one block takes seconds on the slowest core of a busy machine."""
 
 
 @dataclass
@@ -111,7 +112,7 @@ def run_batch(
         program = build(exported.directory, core, "batch", out, (*options, *extent))
         command = core.emulate(program, exported.directory / "ports", out)
         begin = time.perf_counter()
-        run_to_end(command, _TIMEOUT, on_line)
+        run_to_end(command, _SILENCE, on_line)
         printed.seconds = time.perf_counter() - begin
     if not printed.ended:
         raise ToolError(f"{command[0]}: the firmware ended before its last line")

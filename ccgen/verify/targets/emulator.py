@@ -5,10 +5,9 @@ import select
 import shutil
 import subprocess
 import tempfile
-import threading
 import tty
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from typing import IO
 
 import can
@@ -18,6 +17,9 @@ from ccgen.errors import ToolError
 
 _START = 30.0
 """Seconds until the firmware must have said that its receiver listens."""
+
+_LONGEST_LINE = 1000
+"""Bytes; the firmware's own lines are far shorter."""
 
 _GRACE = 5.0
 """Seconds until an emulator that has closed its line has ended."""
@@ -55,31 +57,52 @@ def running_node(command: Sequence[str]) -> Iterator[can.BusABC]:
             raise _ended(command, process, errors)
 
 
-def run_to_end(command: Sequence[str], timeout: float, on_line: Callable[[str], None]) -> None:
-    """Run firmware that prints lines over its UART and ends by itself.
+def run_to_end(command: Sequence[str], silence: float, on_line: Callable[[str], None]) -> None:
+    """Run firmware that prints lines over its UART and ends by itself, however long it takes.
 
     Args:
         command: the emulator's.
-        timeout: seconds after which it is stopped.
-        on_line: called with each line as it comes.
+        silence: seconds without a line after which it is stopped.
+        on_line: called with each whole line as it comes.
 
     Raises:
-        ToolError: it does not start, took too long, or ended with a status other than 0.
+        ToolError: it does not start, fell silent, or ended with a status other than 0.
     """
     with tempfile.TemporaryFile() as errors:
         process = _start(command, subprocess.DEVNULL, subprocess.PIPE, errors)
-        late = threading.Timer(timeout, process.kill)
-        late.start()
         try:
             assert process.stdout is not None
-            for line in process.stdout:
+            for line in _lines(process.stdout, silence):
                 on_line(line.decode("ascii", errors="replace").rstrip())
-            process.wait()
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(_GRACE)
+        except TimeoutError as error:
+            raise ToolError(
+                f"{command[0]}: the firmware printed no line for {silence:g} s and was stopped"
+            ) from error
         finally:
-            late.cancel()
             _stop(process)
         if process.returncode != 0:
             raise _ended(command, process, errors)
+
+
+def _lines(pipe: IO[bytes], silence: float) -> Iterator[bytes]:
+    """Whole lines as they come; a last one without its end is none of the firmware's.
+
+    Raises:
+        TimeoutError: no line came for so many seconds.
+    """
+    rest = b""
+    while select.select([pipe], [], [], silence)[0]:
+        data = os.read(pipe.fileno(), 1 << 16)
+        if not data:
+            return
+        *lines, rest = (rest + data).split(b"\n")
+        yield from lines
+        if len(rest) > _LONGEST_LINE:
+            yield rest  # which says what was printed instead
+            return
+    raise TimeoutError
 
 
 def _start(

@@ -9,6 +9,7 @@ import can
 
 from ccgen.can.exchange import Pace
 from ccgen.can.transports import WINDOW_MS
+from ccgen.errors import ToolError
 from ccgen.verify.build import LEVEL
 from ccgen.verify.bus import verify_bus
 from ccgen.verify.exported import Exported
@@ -43,9 +44,12 @@ def verify_target(
         ToolError: a tool is missing, or the firmware does not compile or run.
     """
     require_tools(target)
-    printed = run_batch(exported, target, plan, report, (level,))
-    batch = compare_batch(exported, target, plan, printed)
-    return [verify_uart(exported, target, plan, report, level), batch]
+    try:
+        printed = run_batch(exported, target, plan, report, (level,))
+        batch = compare_batch(exported, target, plan, printed)
+        return [verify_uart(exported, target, plan, report, level), batch]
+    except ToolError as error:
+        raise ToolError(f"{target}: {error}") from error
 
 
 def verify_uart(
