@@ -63,13 +63,14 @@ def build(exported: Exported, core: Core, folder: Path, level: str = LEVEL) -> B
         objects.append(folder / f"{file.stem}.o")
         run([*compiler, "-c", str(file), "-o", str(objects[-1])])
     roots = [
-        *(f"{joint}_{call}" for call in (*CALLS, "init", "node_init")),
+        *(f"{joint}_{call}" for call in (*CALLS, "init", "capture_zero", "node_init")),
         *(f"cost_{variable}" for variable in _VARIABLES),
     ]
     program = folder / "cost.elf"
     if core.name == "avr":
+        kept = [f"-Wl,--undefined={root}" for root in roots]
         mapped = f"-Wl,--gc-sections,-Map={program.with_suffix('.map')}"
-        run([*compiler, *map(str, objects), mapped, "-o", str(program)])
+        run([*compiler, *map(str, objects), *kept, mapped, "-o", str(program)])
     else:
         extra = core.link if core.name == HOST else ()
         link([*compiler, *extra], objects, roots, program)

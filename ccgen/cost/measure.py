@@ -22,7 +22,9 @@ class Cost:
     Attributes:
         target: its name.
         level: of the compiler's optimisation.
-        parts: bytes by part; the node includes the runtime, the library is the compiler's.
+        parts: bytes by part of what a node with its tip pose links, and nothing that it does not
+            call, such as SLCAN or the Jacobian; the node includes the runtime, the library is the
+            compiler's.
         state_bytes: RAM that the caller owns for a whole node: state, counts, angles.
         constants_in_ram: whether tables stand in RAM as well.
         stacks: worst case of each call, bytes.

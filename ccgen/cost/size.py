@@ -4,7 +4,17 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-_ENTRY = re.compile(r"^ (\.[^\s]+)\s+0x[0-9a-f]+\s+0x([0-9a-f]+)\s+(\S.*)$", re.MULTILINE)
+from ccgen.errors import ToolError
+
+_LINKED = "\nLinker script and memory map\n"
+"""Before this heading the map lists what the linker discarded, in the same form."""
+
+_ENTRY = re.compile(
+    r"(?:^ \*fill\*\s+0x[0-9a-f]+\s+0x(?P<padding>[0-9a-f]+).*\n)?"
+    r"^ (?P<section>\.\S+|COMMON)\s+0x[0-9a-f]+\s+0x(?P<size>[0-9a-f]+)\s+(?P<file>\S.*)$",
+    re.MULTILINE,
+)
+"""A section of a file, with the padding that its alignment needs before it."""
 
 PARTS = ("estimator", "kinematics", "node", "library")
 """The joint's three parts, the runtime counted as the node's, and the compiler's own functions."""
@@ -33,17 +43,24 @@ class Size:
 
 
 def read_map(path: Path, joint: str) -> dict[str, Size]:
-    """Sizes by part.
+    """Sizes by part of what was linked.
 
     Args:
         path: the map, of a link of objects that are named after their sources.
         joint: its name.
+
+    Raises:
+        ToolError: the linker writes its map in another form.
     """
+    _, heading, linked = path.read_text(encoding="utf-8").partition(_LINKED)
+    if not heading:
+        raise ToolError(f"{path.name}: no linker's map of GNU binutils")
     sizes = dict.fromkeys(PARTS, Size())
-    for section, size, file in _ENTRY.findall(path.read_text(encoding="utf-8")):
-        part = _part(file, joint)
+    for entry in _ENTRY.finditer(linked):
+        part = _part(entry["file"], joint)
         if part is not None:
-            sizes[part] += _size(section, int(size, 16))
+            size = int(entry["size"], 16) + int(entry["padding"] or "0", 16)
+            sizes[part] += _size(entry["section"], size)
     return sizes
 
 
@@ -61,6 +78,6 @@ def _size(section: str, size: int) -> Size:
         return Size(code=size)
     if section.startswith((".rodata", ".srodata", ".progmem")):
         return Size(constants=size)
-    if section.startswith((".data", ".sdata", ".bss", ".sbss")):
+    if section.startswith((".data", ".sdata", ".bss", ".sbss", "COMMON")):
         return Size(variables=size)
     return Size()
