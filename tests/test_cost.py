@@ -85,13 +85,28 @@ def test_the_estimator_on_cortex_m0_fits_a_kilobyte(costs):
 def test_budgets_name_target_what_and_by_how_much(costs):
     cost = costs["cortex-m0"]
     held = Budget(cost.flash_bytes, cost.ram_bytes, cost.stack_bytes, cost.times.estimate)
-    assert list(excesses([cost], held)) == []
+    assert list(excesses([cost], held, named=True)) == []
     flash, stack, estimate = cost.flash_bytes - 7, cost.stack_bytes - 1, cost.times.estimate - 2
-    assert list(excesses([cost], Budget(flash, None, stack, estimate))) == [
+    assert list(excesses([cost], Budget(flash, None, stack, estimate), named=True)) == [
         f"cortex-m0: flash: {flash + 7} bytes, 7 over the budget of {flash}",
         f"cortex-m0: stack: {stack + 1} bytes, 1 over the budget of {stack}",
         f"cortex-m0: one estimate: {estimate + 2} instructions, 2 over the budget of {estimate}",
     ]
+
+
+@pytest.mark.parametrize(
+    ("named", "budget", "held"),
+    [
+        (True, Budget(flash=0), TARGETS),
+        (True, Budget(instructions=0), TARGETS),
+        (False, Budget(flash=0), ("cortex-m0", "cortex-m4", "riscv32", "avr")),
+        (False, Budget(instructions=0), ("cortex-m0", "cortex-m4", "riscv32")),
+        (False, Budget(), ()),
+    ],
+)
+def test_budgets_hold_for_named_targets_or_for_all_microcontrollers(costs, named, budget, held):
+    over = excesses(list(costs.values()), budget, named)
+    assert [line.partition(":")[0] for line in over] == list(held)
 
 
 def test_over_budget_ends_with_status_1(shoulder):
@@ -113,18 +128,49 @@ def test_the_table_in_the_readme_is_replaced_and_counts_as_exported(shoulder, tm
     assert "| cortex-m4 | " not in text
 
 
-def test_targets_without_their_tools_are_left_out_by_name(shoulder, monkeypatch):
+@pytest.fixture
+def only_cortex_m4(monkeypatch):
     present = cores.missing_tools
     monkeypatch.setattr(
-        cores, "missing_tools", lambda t: present(t) if t == "cortex-m4" else ["gcc-nowhere"]
+        cores, "missing_tools", lambda t: present(t) if t == "cortex-m4" else [f"gcc-no-{t}"]
     )
+
+
+@pytest.mark.usefixtures("only_cortex_m4")
+def test_targets_without_their_tools_are_left_out_by_name(shoulder):
     result = run(shoulder)
     assert result.exit_code == 0
-    assert "left out: avr: needs gcc-nowhere; install with `apt-get" in result.stderr
+    assert "left out: avr: needs gcc-no-avr; install with `apt-get" in result.stderr
     assert "\ncortex-m4 " in result.stdout
     chosen = run(shoulder, "--target", "avr")
     assert chosen.exit_code == 2
-    assert "avr: needs gcc-nowhere" in chosen.stderr
+    assert "avr: needs gcc-no-avr" in chosen.stderr
+
+
+@pytest.mark.usefixtures("only_cortex_m4")
+def test_a_budget_does_not_pass_on_targets_that_were_left_out(shoulder):
+    unchecked = run(shoulder, "--max-flash", 10**6)
+    assert unchecked.exit_code == 2
+    assert (
+        "error: the budget is not checked on cortex-m0: needs gcc-no-cortex-m0; install with "
+        "`apt-get install gcc-no-cortex-m0`, or name the targets with --target" in unchecked.stderr
+    )
+    assert "\ncortex-m4 " in unchecked.stdout
+    assert run(shoulder, "--max-flash", 10**6, "--target", "cortex-m4").exit_code == 0
+    over = run(shoulder, "--max-flash", 1)
+    assert over.exit_code == 1
+    assert "over budget: cortex-m4: flash: " in over.stderr
+
+
+@pytest.mark.parametrize(
+    ("absent", "option"), [("host", "--max-flash"), ("avr", "--max-instructions")]
+)
+def test_a_budget_does_not_miss_what_it_does_not_hold_for(shoulder, monkeypatch, absent, option):
+    monkeypatch.setattr(cores, "TARGETS", (absent, "cortex-m4"))
+    monkeypatch.setattr(cores, "missing_tools", lambda t: ["gcc"] if t == absent else [])
+    result = run(shoulder, option, 10**6)
+    assert result.exit_code == 0, result.stderr
+    assert f"left out: {absent}: " in result.stderr
 
 
 def test_without_the_extra_the_message_says_how_to_install_it(shoulder):
