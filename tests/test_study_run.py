@@ -1,17 +1,19 @@
 import filecmp
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from ccgen.cli.main import app
-from ccgen.errors import InputError
+from ccgen.errors import InputError, ToolError
 from ccgen.placement import Evolution, Search
 from ccgen.study import spread
 from ccgen.study.joints import Settings, StudyJoint, all_joints, chosen_joints, study_joint
@@ -27,6 +29,15 @@ def run(folder, executor, joints=JOINTS, settings=QUICK, finished=None):
     records = run_study(joints, settings, store, executor, finished or (lambda joint, before: None))
     (folder / "table2.json").write_bytes(table2_json(table2(records)))
     return folder
+
+
+def reproduce(folder, *more):
+    """Start the command on three joints."""
+    command = [sys.executable, "-m", "ccgen.cli.main", "reproduce", "-o", str(folder)]
+    options = ["--joints", "12:1,12:2,12:3", "--individuals", "20", "--generations", "1"]
+    return subprocess.Popen(
+        [*command, *options, *more], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
 
 
 def same_files(one, other):
@@ -70,6 +81,76 @@ def test_no_scheduler_is_one_line():
         raise AssertionError("connected")
 
 
+def test_an_address_that_is_none_is_one_line(tmp_path):
+    refused = reproduce(tmp_path / "out", "--scheduler", "nowhere")
+    _, said = refused.communicate(timeout=120)
+    assert refused.returncode == 2
+    assert said.decode().splitlines() == [
+        "ccgen: error: --scheduler: no Dask scheduler answers at nowhere;"
+        " give the address that it prints, such as tcp://192.0.2.1:8786"
+    ]
+
+
+@pytest.fixture
+def scheduler():
+    """A Dask scheduler without workers: what is submitted waits."""
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--no-dashboard"]
+    with subprocess.Popen(
+        [*command, "--host", "127.0.0.1", "--port", "0"], stderr=subprocess.PIPE, text=True
+    ) as process:
+        yield process
+        process.kill()
+
+
+def told(process, pattern):
+    """Wait until a line that a process writes on stderr matches; return the match's group."""
+    for line in process.stderr:
+        if match := re.search(pattern, line):
+            return match[1]
+    raise AssertionError(f"ended without {pattern}")
+
+
+@pytest.mark.parametrize(
+    ("ended", "by", "status", "message"),
+    [
+        ("study", signal.SIGINT, 130, "ccgen: interrupted"),
+        ("scheduler", signal.SIGKILL, 2, "ccgen: error: the Dask cluster at ADDRESS was lost;"),
+    ],
+)
+def test_a_study_on_a_cluster_ends_in_one_line(tmp_path, scheduler, ended, by, status, message):
+    address = told(scheduler, r"Scheduler at: *(tcp://\S+)")
+    study = reproduce(tmp_path / "out", "--scheduler", address)
+    told(scheduler, r"(Receive client connection)")
+    os.kill({"study": study, "scheduler": scheduler}[ended].pid, by)
+    _, said = study.communicate(timeout=120)
+    assert study.returncode == status
+    (line,) = said.decode().splitlines()
+    assert line.startswith(message.replace("ADDRESS", address))
+    assert ("finished joints are kept" in line) == (ended == "scheduler")
+
+
+def test_an_error_cancels_what_waits_on_a_cluster(scheduler):
+    waiting = []
+
+    def interrupted():
+        with spread.cluster(told(scheduler, r"Scheduler at: *(tcp://\S+)")) as executor:
+            waiting.append(executor.submit(os.getpid))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    with pytest.raises(CancelledError):
+        waiting[0].result(timeout=60)
+
+
+def test_a_process_that_is_killed_is_one_line():
+    with (
+        pytest.raises(ToolError, match="finished joints are kept"),
+        spread.processes(1) as executor,
+    ):
+        executor.submit(os.abort).result()
+
+
 def test_finished_joints_are_not_studied_again(undisturbed):
     class Refusing:
         def submit(self, *work):
@@ -96,15 +177,8 @@ def test_joints_of_other_settings_count_as_unfinished(undisturbed):
 
 
 def test_a_killed_run_resumes_to_the_same_bytes(tmp_path):
-    options = ["--joints", "12:1,12:2,12:3", "--individuals", "20", "--generations", "1"]
-
     def start(folder, *more):
-        command = [sys.executable, "-m", "ccgen.cli.main", "reproduce", "-o", str(folder)]
-        return subprocess.Popen(
-            [*command, *options, "--processes", "1", *more],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-        )
+        return reproduce(folder, "--processes", "1", *more)
 
     killed, whole = tmp_path / "killed", tmp_path / "whole"
     process = start(killed)

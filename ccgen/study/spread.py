@@ -4,15 +4,20 @@ Either way it is a `concurrent.futures` executor; results do not depend on which
 in which pieces finish.
 """
 
+import logging
 import os
 import signal
 import threading
-from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
+from functools import partial
 from typing import Any
 
 from ccgen.errors import InputError, ToolError
+
+_RESUME = "finished joints are kept, and the same command studies the others"
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -24,7 +29,7 @@ def processes(count: int | None = None) -> Iterator[Executor]:
     Linear algebra runs on one thread in each: more would contend for the same processors.
 
     Raises:
-        InputError: fewer than one process.
+        InputError: fewer than one process; ToolError: one of them ended before its work was done.
     """
     if count is not None and count < 1:
         raise InputError(f"--processes: {count} processes do nothing; give at least 1")
@@ -34,9 +39,15 @@ def processes(count: int | None = None) -> Iterator[Executor]:
     with _environment(dict.fromkeys(_THREADS, "1")):
         executor = ProcessPoolExecutor(count or _processors(), get_context("spawn"), _begin_work)
         others = set(active_children())
+        cancel = partial(executor.shutdown, wait=False, cancel_futures=True)
         try:
-            with _cancelled_on_error(executor):
+            with _cancelled_on_error(executor, cancel):
                 yield executor
+        except BrokenProcessPool as error:
+            raise ToolError(
+                f"a process of the study was killed, maybe for want of memory; {_RESUME}"
+                " (fewer --processes need less)"
+            ) from error
         except BaseException:
             # Joints in work would keep the program from ending.
             for worker in set(active_children()) - others:
@@ -53,24 +64,61 @@ def cluster(address: str, timeout: float = 10.0) -> Iterator[Executor]:
         timeout: how long to wait for it to answer, seconds.
 
     Raises:
-        ToolError: Dask is not installed; InputError: no scheduler answers there.
+        ToolError: Dask is not installed, or the cluster was lost before the work was done;
+            InputError: no scheduler answers there.
     """
     try:
-        from distributed import Client
+        from distributed import KilledWorker
+        from distributed.client import ClosedClientError
+        from distributed.comm.core import CommClosedError
     except ImportError as error:
         raise ToolError(
             "--scheduler needs Dask, which is not installed; pip install 'ccgen[distributed]'"
         ) from error
+    # A scheduler that is gone cancels what it had.
+    lost = (CancelledError, ClosedClientError, CommClosedError, KilledWorker, TimeoutError)
+
+    def cancel() -> None:
+        with suppress(*lost):
+            executor.shutdown(wait=False)
+
     try:
-        connect: Any = Client  # untyped
-        client = connect(address, timeout=timeout, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"--scheduler: no Dask scheduler answers at {address};"
-            " give the address that it prints, such as tcp://192.0.2.1:8786"
+        with _client(address, timeout) as client:
+            executor = client.get_executor(pure=False)
+            with _cancelled_on_error(executor, cancel):
+                yield executor
+    except lost as error:
+        raise ToolError(
+            f"the Dask cluster at {address} was lost; {_RESUME} once a cluster is up again"
         ) from error
-    with client, _cancelled_on_error(client.get_executor(pure=False)) as executor:
-        yield executor
+
+
+@contextmanager
+def _client(address: str, timeout: float) -> Iterator[Any]:
+    """Give a client of a Dask scheduler, closed in the end even if it never got a connection.
+
+    Raises:
+        InputError: no scheduler answers there.
+    """
+    from distributed import Client
+
+    client: Any = Client.__new__(Client)  # untyped
+    # What it would log about a lost scheduler, tracebacks included, is said in one line.
+    log = logging.getLogger("distributed.client")
+    level = log.level
+    log.setLevel(logging.CRITICAL)
+    try:
+        try:
+            client.__init__(address, timeout=timeout, set_as_default=False)
+        except (ImportError, OSError, TypeError, ValueError) as error:
+            raise InputError(
+                f"--scheduler: no Dask scheduler answers at {address};"
+                " give the address that it prints, such as tcp://192.0.2.1:8786"
+            ) from error
+        yield client
+    finally:
+        client.close()
+        log.setLevel(level)
 
 
 def _processors() -> int:
@@ -81,12 +129,12 @@ def _processors() -> int:
 
 
 @contextmanager
-def _cancelled_on_error(executor: Executor) -> Iterator[Executor]:
-    """Shut an executor down; at once and without what is queued when the block raises."""
+def _cancelled_on_error(executor: Executor, cancel: Callable[[], None]) -> Iterator[None]:
+    """Shut an executor down; by `cancel`, without what is queued, when the block raises."""
     try:
-        yield executor
+        yield
     except BaseException:
-        executor.shutdown(wait=False, cancel_futures=True)
+        cancel()
         raise
     executor.shutdown()
 
