@@ -1,6 +1,7 @@
 import hashlib
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -115,6 +116,31 @@ def run_selftest(root: Path, out: Path, level: str) -> int:
     ]  # fmt: skip
     subprocess.run(command, check=True)
     return subprocess.run([out / "selftest"], stdout=subprocess.DEVNULL, check=False).returncode
+
+
+BOARD = """
+void board_init(void);
+void board_read_counts({name}_count_t *u, {name}_count_t *v);
+void board_alarm(void);
+void board_use(float bending, const float *position);
+bool board_can_read(ccgen_frame_t *frame);
+void board_can_write(const ccgen_frame_t *frame);
+uint32_t board_time_us(void);
+"""
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("name", ["finger", "trunk"])
+def test_the_main_loops_in_the_readme_compile(exported, name, compiler, tmp_path):
+    loops = re.findall(r"```c\n(.*?)```", (exported / name / "README.md").read_text(), re.DOTALL)
+    assert len(loops) == 2
+    for loop in loops:
+        headers, rest = re.match(r"((?:#include [^\n]*\n)+)(.*)", loop, re.DOTALL).groups()
+        board = f'#include "{name}_can.h"\n' + BOARD.format(name=name)
+        (tmp_path / "main.c").write_text(headers + board + rest)
+        command = [*COMPILERS[compiler], f"-I{exported / name / 'src'}", "-c", "main.c"]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
 
 
 def test_the_same_input_gives_the_same_bytes_wherever_it_lies(exported, tmp_path):
