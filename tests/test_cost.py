@@ -1,5 +1,4 @@
 import json
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,10 +10,8 @@ from ccgen.cli.main import app
 from ccgen.cost import cores
 from ccgen.cost.budget import Budget, excesses
 from ccgen.cost.measure import measure
-from ccgen.cost.readme import BEGIN, END
 from ccgen.cost.stack import read_disassembly, read_frames, worst_case
 from ccgen.errors import CheckError
-from ccgen.export.manifest import changed_files
 from ccgen.export.package import export
 from ccgen.verify.exported import open_exported
 
@@ -115,17 +112,6 @@ def test_over_budget_ends_with_status_1(shoulder):
     assert "over budget: cortex-m3: flash: " in result.stderr
     (target,) = json.loads(result.stdout)["targets"]
     assert {"flash_bytes", "ram_bytes", "stack_bytes", "instructions_per_estimate"} <= set(target)
-
-
-def test_the_table_in_the_readme_is_replaced_and_counts_as_exported(shoulder, tmp_path):
-    folder = Path(shutil.copytree(shoulder, tmp_path / "shoulder"))
-    for target in ("cortex-m4", "cortex-m3"):
-        assert run(folder, "--target", target, "--write").exit_code == 0
-        text = (folder / "README.md").read_text()
-        assert (text.count(BEGIN), text.count(END)) == (1, 1)
-        assert f"\n| {target} | " in text
-        assert changed_files(folder) == []
-    assert "| cortex-m4 | " not in text
 
 
 @pytest.fixture

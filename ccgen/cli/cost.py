@@ -60,14 +60,14 @@ def cost(
     Example:
       ccgen cost firmware/shoulder --target cortex-m4 --max-flash 16384
     """
-    _require_counter()
+    require_counter()
     from ccgen.cost.budget import Budget, excesses
     from ccgen.verify.exported import open_exported
 
     exported = open_exported(directory)
     budget = Budget(max_flash, max_ram, max_stack, max_instructions)
-    present, left_out = _choose(target)
-    costs = _measure(exported, present, f"-O{optimise.value}")
+    present, left_out = choose_targets(target)
+    costs = measure_targets(exported, present, f"-O{optimise.value}")
     if write:
         from ccgen.cost.readme import write_table
 
@@ -76,7 +76,7 @@ def cost(
     if json:
         print_json({"targets": [one.record() for one in costs]})
     else:
-        _show(costs)
+        show_costs(costs)
     over = list(excesses(costs, budget, named=bool(target)))
     for line in over:
         note(f"over budget: {line}")
@@ -89,7 +89,12 @@ def cost(
             )
 
 
-def _require_counter() -> None:
+def require_counter() -> None:
+    """Make sure that what counts is installed.
+
+    Raises:
+        ToolError: it is not.
+    """
     for module in ("unicorn", "elftools"):
         try:
             import_module(module)
@@ -99,7 +104,7 @@ def _require_counter() -> None:
             ) from error
 
 
-def _choose(named: list[str] | None) -> tuple[list[str], dict[str, str]]:
+def choose_targets(named: list[str] | None) -> tuple[list[str], dict[str, str]]:
     """Targets to measure, and what each of the others needs, which is said on stderr.
 
     Raises:
@@ -124,7 +129,8 @@ def _choose(named: list[str] | None) -> tuple[list[str], dict[str, str]]:
     return present, left_out
 
 
-def _measure(exported: "Exported", targets: Sequence[str], level: str) -> "list[Cost]":
+def measure_targets(exported: "Exported", targets: Sequence[str], level: str) -> "list[Cost]":
+    """Costs of the targets, with a bar while they are measured."""
     from ccgen.cost.measure import measure
 
     costs: list[Cost] = []
@@ -135,7 +141,8 @@ def _measure(exported: "Exported", targets: Sequence[str], level: str) -> "list[
     return costs
 
 
-def _show(costs: "Sequence[Cost]") -> None:
+def show_costs(costs: "Sequence[Cost]") -> None:
+    """Print the table on stdout."""
     from rich.table import Table
 
     from ccgen.cost.readme import TITLES, row_of
@@ -148,7 +155,7 @@ def _show(costs: "Sequence[Cost]") -> None:
     console = results()
     console.print(table)
     console.print(
-        f"Bytes of a whole node with the compiler's own functions, {costs[0].level}: flash is code "
-        "and constants, RAM is without stack. Instructions at most; on AVR cycles.",
+        f"Bytes of a whole node with tip pose and the compiler's own functions, {costs[0].level}: "
+        "flash is code and constants, RAM is without stack. Instructions at most; on AVR cycles.",
         soft_wrap=True,
     )

@@ -6,9 +6,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ccgen.cli.cost import choose_targets, measure_targets, require_counter, show_costs
 from ccgen.cli.output import note, print_json, results
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ccgen.cost.measure import Cost
     from ccgen.export.package import Export
     from ccgen.fixedpoint import AxisModel
 
@@ -18,11 +22,20 @@ def export(
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="DIR", help="The folder to write.")
     ],
+    cost: Annotated[
+        bool,
+        typer.Option(
+            "--cost",
+            help="Measure it for every target whose tools are installed, as `ccgen cost --write`.",
+        ),
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Write a folder with fixed-point C that stands alone: estimator, kinematics, CAN node, DBC.
 
-    The folder appears whole or not at all; an older export in its place is replaced.
+    The folder appears whole or not at all; an older export in its place is replaced. The same
+    input gives the same bytes, except for the table that --cost puts into README.md, which depends
+    on the compilers.
 
     \b
     Example:
@@ -30,16 +43,42 @@ def export(
       ccgen verify firmware/shoulder --target host
     """
     from ccgen.can.load import load_percent
+    from ccgen.cost.readme import has_table
     from ccgen.export.package import export as write
 
+    targets = _countable_targets() if cost else []
+    table_is_lost = not cost and has_table(output)
     done = write(joint_file, output)
     load = load_percent(done.layout, done.joint.can.bitrate)
     if load > 100.0:
         note(_too_slow(done, load))
+    if table_is_lost:
+        note(
+            f"{output / 'README.md'}: the table of costs that was in it is gone, for it was "
+            f"measured on what has been replaced; `ccgen cost {output} --write` measures again"
+        )
+    costs = _write_costs(output, targets) if targets else []
     if json:
-        print_json(_record(done, load))
+        measured = {"targets": [one.record() for one in costs]} if costs else {}
+        print_json(_record(done, load) | measured)
     else:
-        _show(done, load)
+        _show(done, load, costs)
+
+
+def _countable_targets() -> list[str]:
+    require_counter()
+    return choose_targets(None)[0]
+
+
+def _write_costs(directory: Path, targets: "Sequence[str]") -> "list[Cost]":
+    from ccgen.cost.readme import write_table
+    from ccgen.verify.build import LEVEL
+    from ccgen.verify.exported import open_exported
+
+    exported = open_exported(directory)
+    costs = measure_targets(exported, targets, LEVEL)
+    write_table(exported, costs)
+    return costs
 
 
 def _record(done: "Export", load: float) -> dict[str, Any]:
@@ -62,7 +101,7 @@ def _format(axis: "AxisModel") -> dict[str, Any]:
     }
 
 
-def _show(done: "Export", load: float) -> None:
+def _show(done: "Export", load: float, costs: "Sequence[Cost]") -> None:
     from rich.table import Table
 
     table = Table("", "axis u", "axis v", box=None, pad_edge=False)
@@ -81,9 +120,12 @@ def _show(done: "Export", load: float) -> None:
         f"{len(done.layout.frames)} frames every {done.layout.cycle_ms} ms take at most "
         f"{load:.0f} % of a bus at {done.joint.can.bitrate:,} bit/s"
     )
+    if costs:
+        show_costs(costs)
+    to_measure = "" if costs else f", ccgen cost {done.directory} --write"
     console.print(
         f"{len(done.files)} files in {done.directory}; README.md there tells how to use them. "
-        f"Next: ccgen verify {done.directory}",
+        f"Next: ccgen verify {done.directory}{to_measure}",
         soft_wrap=True,
     )
 
