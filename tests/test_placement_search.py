@@ -1,25 +1,44 @@
+from contextlib import suppress
+from functools import cache
 from itertools import combinations_with_replacement
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from ccgen.errors import InputError
 from ccgen.joint import read_joint
 from ccgen.layouts import heuristic
-from ccgen.placement import Constraints, Problem, Search, joint_problem, place, search
+from ccgen.placement import (
+    METHODS,
+    Constraints,
+    Evolution,
+    Problem,
+    Search,
+    joint_problem,
+    place,
+    search,
+)
+from ccgen.placement.compare import NEGLIGIBLE, total_length
 from ccgen.placement.exchange import Descent
-from ccgen.placement.exhaustive import count_covering, covering
+from ccgen.placement.exhaustive import count_allowed, covering
 from ccgen.placement.problem import as_spans
+from ccgen.placement.search import enumerate_all, exchange
 from ccgen.shapes import shape_library
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
-def problem(segments, degrees, sensors, noise=0.0, **limits):
+@cache
+def libraries(segments, degrees):
     rom = np.radians(degrees)
-    fit, score = shape_library(segments, rom, 30), shape_library(segments, rom, 10)
-    return Problem(fit, score, sensors, Constraints(**limits), noise)
+    return shape_library(segments, rom, 30), shape_library(segments, rom, 10)
+
+
+def problem(segments, degrees, sensors, noise=0.0, **limits):
+    return Problem(*libraries(segments, degrees), sensors, Constraints(**limits), noise)
 
 
 def every_allowed(posed):
@@ -30,11 +49,11 @@ def every_allowed(posed):
     return {as_spans((*fixed, *one)) for one in free if posed.allows((*fixed, *one))}
 
 
-def test_counting_ends_early_above_a_limit():
+def test_counting_ends_above_a_limit():
     posed = problem(12, 3.0, 4)
-    assert count_covering(posed) == count_covering(posed, 290_863) == 290_863
-    assert 8_000 < count_covering(posed, 8_000) < 290_863
-    assert count_covering(posed, 290_862) > 290_862
+    assert count_allowed(posed) == count_allowed(posed, 290_863) == 290_863
+    assert count_allowed(posed, 290_862) is None
+    assert count_allowed(posed, 8_000) is None
 
 
 LIMITS = [
@@ -55,8 +74,23 @@ def test_enumeration_meets_every_allowed_placement_once(sensors, limits):
     met = [as_spans(one) for batch in covering(posed) for one in batch]
     assert len(met) == len(set(met))
     assert set(met) == every_allowed(posed)
-    if "stacked" not in limits:
-        assert count_covering(posed) == len(met)
+    assert count_allowed(posed) == len(met)
+
+
+def test_a_limit_on_stacked_sensors_leaves_few_placements_to_enumerate():
+    # Without it there are more than a hundred thousand.
+    found = search(problem(48, 2.0, 6, shortest=8, stacked=1))
+    assert (found.optimality, found.evaluations) == ("proven", 1)
+    assert count_allowed(problem(48, 2.0, 6, shortest=7, stacked=1), 1000) == 462
+    with pytest.raises(InputError, match="no placement of 6 sensors"):
+        search(problem(48, 2.0, 6, shortest=9, stacked=1))
+    with pytest.raises(InputError, match="no placement of 6 sensors"):
+        search(problem(48, 2.0, 6, shortest=17, stacked=2))
+
+
+def test_counting_under_a_limit_on_stacked_sensors_ends_too():
+    assert count_allowed(problem(48, 2.0, 6, stacked=2), 100) is None
+    assert count_allowed(problem(48, 2.0, 6, stacked=1), 1e5) is None
 
 
 @pytest.mark.parametrize("limits", LIMITS[:5], ids=str)
@@ -99,12 +133,99 @@ def test_exchange_search_finds_what_enumeration_proves(segments, degrees, sensor
     assert found.percent == pytest.approx(lowest, rel=1e-3)
 
 
-@pytest.mark.parametrize("limits", [{}, {"shortest": 3, "stacked": 2}, {"fixed": ((9, 12),)}])
+@pytest.mark.parametrize(
+    "limits",
+    [
+        {},
+        {"shortest": 3, "stacked": 2},
+        {"fixed": ((9, 12),)},
+        # Neither heuristic nor end-to-end spans are allowed here.
+        {"shortest": 12},
+        {"longest": 4},
+        {"longest": 5, "stacked": 1, "forbidden": (3, 4)},
+    ],
+    ids=str,
+)
 def test_exchange_search_keeps_to_the_constraints(limits):
     posed = problem(16, 4.0, 4, **limits)
     found = search(posed, Search(enumerated=0, starts=4))
     assert posed.allows(found.spans)
     assert found.percent == posed.percent(found.spans)
+
+
+@st.composite
+def tight_problems(draw):
+    """Small problems with limits so tight that many have no solution."""
+    segments, sensors = draw(st.integers(3, 6)), draw(st.integers(1, 3))
+    segment = st.integers(0, segments - 1)
+    spans = st.tuples(segment, segment).map(lambda pair: tuple(sorted(pair)))
+    shortest = draw(st.integers(1, segments))
+    limits = Constraints(
+        shortest=shortest,
+        longest=draw(st.none() | st.integers(shortest, segments)),
+        forbidden=tuple(sorted(draw(st.sets(segment, max_size=segments // 2)))),
+        fixed=tuple(draw(st.lists(spans, max_size=sensors - 1))),
+        stacked=draw(st.none() | st.integers(1, sensors)),
+    )
+    degrees, noise = draw(st.sampled_from([2.0, 8.0])), draw(st.sampled_from([0.0, 4e-4]))
+    return Problem(*libraries(segments, degrees), sensors, limits, noise)
+
+
+def answer(method, *arguments):
+    """What a method finds, or None where it says that it finds nothing."""
+    with suppress(InputError):
+        return method(*arguments)
+    return None
+
+
+@settings(max_examples=150, derandomize=True, deadline=None)
+@given(posed=tight_problems())
+def test_every_method_keeps_to_tight_constraints_or_says_that_it_cannot(posed):
+    allowed = every_allowed(posed)
+    best = min((max(posed.percent(one), NEGLIGIBLE) for one in allowed), default=None)
+    quick = Evolution(individuals=20, generations=1), Search(enumerated=0, starts=2)
+    found = [answer(place, posed, method, *quick) for method in METHODS]
+    found += [answer(exchange, posed, quick[1]), answer(enumerate_all, posed)]
+    assert (found[-2] is None) == (found[-1] is None) == (best is None)
+    for placement in filter(None, found):
+        assert placement.spans in allowed
+        assert max(placement.percent, NEGLIGIBLE) >= best
+    if best is not None:
+        assert max(found[-1].percent, NEGLIGIBLE) == best
+
+
+@pytest.mark.parametrize(
+    "limits",
+    [
+        {"shortest": 10},
+        {"longest": 5},
+        {"longest": 6, "forbidden": (3, 4)},
+        {"shortest": 4, "stacked": 1, "fixed": ((4, 8),)},
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("noise", [0.0, 4e-4])
+def test_exchange_search_finds_the_proven_best_under_tight_limits(limits, noise):
+    posed = problem(14, 8.0, 3, noise, **limits)
+    assert exchange(posed, Search()).spans == enumerate_all(posed).spans
+
+
+def test_exchange_search_starts_from_an_allowed_placement_where_it_meets_none_itself():
+    # The one placement there is: every span begins where the one before it ends.
+    posed = problem(30, 3.0, 5, shortest=6, stacked=1)
+    found = exchange(posed, Search(starts=1))
+    assert found.spans == tuple((k, k + 5) for k in range(0, 30, 6))
+
+
+@pytest.mark.parametrize(("segments", "sensors"), [(2, 2), (3, 3), (3, 4), (5, 5), (8, 8)])
+@pytest.mark.parametrize("enumerated", [0, 20_000])
+def test_of_placements_without_error_the_one_with_the_shortest_spans_is_found(
+    segments, sensors, enumerated
+):
+    found = search(problem(segments, 5.0, sensors), Search(enumerated=enumerated, starts=4))
+    assert found.percent < NEGLIGIBLE
+    assert total_length(found.spans) == sensors
+    assert set(found.spans) == {(k, k) for k in range(segments)}
 
 
 def test_exchange_search_is_reproducible():
@@ -159,7 +280,7 @@ def test_constraints_that_nothing_meets_are_an_error():
         search(problem(12, 3.0, 2, longest=5))
     with pytest.raises(InputError, match="no span"):
         search(problem(12, 3.0, 2, forbidden=tuple(range(12))))
-    with pytest.raises(InputError, match="met no placement"):
+    with pytest.raises(InputError, match="no placement of 4 sensors"):
         search(problem(16, 3.0, 4, shortest=5, stacked=1), Search(enumerated=0, starts=3))
 
 

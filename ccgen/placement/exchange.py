@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ccgen.placement.compare import NEGLIGIBLE
 from ccgen.placement.constraints import coverage
 from ccgen.placement.cost import CostModel, Floats, Indices, orthogonalise, orthonormalise
 from ccgen.placement.problem import Problem
@@ -34,6 +35,8 @@ class Descent:
     def run(self, start: Indices) -> tuple[Indices, float]:
         """Descend from a placement, fixed sensors first, until no single move improves it.
 
+        The spans of the free sensors must be allowed ones; how they lie together need not be.
+
         Returns:
             The placement, shape (n, 2), and its cost in %.
         """
@@ -53,13 +56,19 @@ class Descent:
     def finalists(self, count: int) -> Indices:
         """The best placements met that keep to the constraints, shape (at most count, n, 2)."""
         ranked = sorted(self.met.items(), key=lambda item: (item[1][0], item[0]))
-        kept = [spans for _, (cost, spans) in ranked[:count] if cost < BROKEN]
-        return np.array(kept, dtype=np.intp).reshape(-1, self.problem.sensors, 2)
+        best = [spans for _, (_, spans) in ranked[:count]]
+        spans = np.array(best, dtype=np.intp).reshape(-1, self.problem.sensors, 2)
+        allowed: Indices = spans[self.problem.violations(spans) == 0]
+        return allowed
 
     def _costs(self, spans: Indices, slot: int) -> Floats:
         others = np.delete(spans, slot, axis=0)
         costs = exchange_costs(self.problem.model, others, self.problem.catalogue, slot)
         costs += BROKEN * _broken(self.problem, others)
+        # What is left of a cost that vanishes is rounding; there the shorter span is the better.
+        lengths = np.diff(self.problem.catalogue)[:, 0] + 1 + (np.diff(others) + 1).sum()
+        vanishing = costs < NEGLIGIBLE
+        costs[vanishing] = NEGLIGIBLE * lengths[vanishing] / (len(spans) * self.problem.segments)
         self.evaluations += len(costs)
         for index in np.argsort(costs, kind="stable")[:KEPT]:
             met = spans.copy()

@@ -10,12 +10,15 @@ from ccgen.layouts import Spans, end_to_end, heuristic
 from ccgen.placement.bound import lower_bound
 from ccgen.placement.compare import best_of, within
 from ccgen.placement.cost import Indices
-from ccgen.placement.exchange import Descent
-from ccgen.placement.exhaustive import count_covering, covering
+from ccgen.placement.exchange import BROKEN, Descent
+from ccgen.placement.exhaustive import Walk, count_allowed, covering
 from ccgen.placement.problem import Placement, Problem, as_spans
 
 _FINALISTS = 32
 """Best placements met whose cost is computed again without approximation."""
+
+_FIRST = 5_000_000
+"""Partial placements to look at for one that is allowed, where no usual start led to one."""
 
 _DISTURBED = 2
 """Sensors that are moved at random from the best placement, to leave a local minimum."""
@@ -51,7 +54,8 @@ def search(
         InputError: there is none (proven), or none was found.
     """
     settings = settings or Search()
-    if count_covering(problem, settings.enumerated) <= settings.enumerated:
+    # A single placement is no search, whatever the limit.
+    if count_allowed(problem, max(1, settings.enumerated)) is not None:
         return enumerate_all(problem)
     return exchange(problem, settings, known)
 
@@ -67,10 +71,7 @@ def enumerate_all(problem: Problem) -> Placement:
     """
     best, evaluations = _least_squares_best(problem)
     if best is None:
-        raise InputError(
-            f"no placement of {problem.sensors} sensors covers the joint and keeps to the"
-            " constraints; loosen them or use more sensors"
-        )
+        raise _impossible(problem)
     limit = problem.percent(as_spans(best))
     rivals = [within(problem, batch, limit) for batch in covering(problem)]
     spans, percent = best_of(problem, np.concatenate([best[None], *rivals]))
@@ -80,17 +81,21 @@ def enumerate_all(problem: Problem) -> Placement:
 def exchange(problem: Problem, settings: Search, known: Sequence[Spans] = ()) -> Placement:
     """Descend from known and usual placements, from random ones, and from disturbed best ones.
 
+    Every start has spans that are allowed; where no usual one leads to an allowed placement, the
+    first that enumeration meets is a start too.
+
     Raises:
-        InputError: no placement that keeps to the constraints was found.
+        InputError: there is no placement that keeps to the constraints (proven), or none was found.
     """
     random = np.random.default_rng(settings.seed)
     descent = Descent(problem)
-    best, lowest = None, np.inf
-    starts = [_fixed_first(problem, spans) for spans in known] + _usual(problem)
-    for number in range(max(settings.starts, len(starts))):
-        if number < len(starts):
-            start = starts[number]
-        elif best is None or number % 2:
+    starts = [_onto_catalogue(problem, spans) for spans in _usual(problem, known)]
+    best, lowest = _lowest(descent, starts)
+    if lowest >= BROKEN:
+        starts += _first_allowed(problem)
+        best, lowest = _lowest(descent, starts[-1:])
+    for number in range(len(starts), settings.starts):
+        if best is None or number % 2:
             start = _random(problem, random)
         else:
             start = _disturb(problem, best, random)
@@ -123,15 +128,54 @@ def _least_squares_best(problem: Problem) -> tuple[Indices | None, int]:
     return best, evaluations
 
 
-def _usual(problem: Problem) -> list[Indices]:
-    """The usual layouts as starts: their first spans make way for the fixed ones."""
+def _lowest(descent: Descent, starts: Sequence[Indices]) -> tuple[Indices | None, float]:
+    """Where the best of the descents from some placements ends, and its cost."""
+    ends = [descent.run(start) for start in starts]
+    return min(ends, key=lambda end: end[1], default=(None, np.inf))
+
+
+def _first_allowed(problem: Problem) -> list[Indices]:
+    """The first placement that enumeration meets; none where that takes too long.
+
+    Raises:
+        InputError: no placement keeps to the constraints.
+    """
+    walk = Walk(problem, _FIRST)
+    for batch in walk.batches():
+        if len(batch):
+            return [batch[0]]
+    if walk.complete:
+        raise _impossible(problem)
+    return []
+
+
+def _impossible(problem: Problem) -> InputError:
+    return InputError(
+        f"no placement of {problem.sensors} sensors covers the joint and keeps to the"
+        " constraints; loosen them or use more sensors"
+    )
+
+
+def _usual(problem: Problem, known: Sequence[Spans]) -> list[Indices]:
+    """Known placements and the usual layouts, whose first spans make way for the fixed ones."""
+    starts = [_fixed_first(problem, spans) for spans in known]
     if problem.sensors > problem.segments:
-        return []
+        return starts
     fixed = problem.constraints.fixed
-    return [
-        np.array([*fixed, *layout(problem.segments, problem.sensors)[len(fixed) :]], dtype=np.intp)
-        for layout in (heuristic, end_to_end)
-    ]
+    for layout in (heuristic, end_to_end):
+        spans = layout(problem.segments, problem.sensors)[len(fixed) :]
+        starts.append(np.array([*fixed, *spans], dtype=np.intp))
+    return starts
+
+
+def _onto_catalogue(problem: Problem, spans: Indices) -> Indices:
+    """A placement with the nearest allowed span in place of each of its free sensors' spans."""
+    fixed = len(problem.constraints.fixed)
+    moved = spans.copy()
+    for slot in range(fixed, len(spans)):
+        distances = np.abs(problem.catalogue - spans[slot]).sum(axis=1)
+        moved[slot] = problem.catalogue[np.argmin(distances)]
+    return moved
 
 
 def _fixed_first(problem: Problem, spans: Spans) -> Indices:
