@@ -547,7 +547,7 @@ def test_plain_identifiers_are_names(name):
         ("uint8", "collides with the type uint8_t of the C library"),
         ("size", "collides with the type size_t of the C library"),
         ("string", "collides with the header string.h of the C library"),
-        ("ccgen_joint", "collides with the runtime's own names"),
+        ("ccgen_joint", "collides with the names of the runtime, its ports or POSIX threads"),
         ("main", "collides with a file or target of the exported folder"),
         ("port", "collides with a file or target of the exported folder"),
     ],

@@ -33,22 +33,30 @@ _KEYWORDS_CPP = _words(
 
 _STANDARD_TYPES = _words(
     """
-    blkcnt blksize char8 char16 char32 clock clockid dev div fenv fexcept fpos fsblkcnt
-    fsfilcnt gid id imaxdiv ino int8 int16 int32 int64 int_fast8 int_fast16 int_fast32 int_fast64
-    int_least8 int_least16 int_least32 int_least64 intmax intptr key ldiv lldiv max_align mbstate
-    mode nlink off pid ptrdiff rsize sig_atomic size ssize suseconds time timer uid uint8
-    uint16 uint32 uint64 uint_fast8 uint_fast16 uint_fast32 uint_fast64 uint_least8 uint_least16
-    uint_least32 uint_least64 uintmax uintptr useconds wchar wctrans wctype wint
+    blkcnt blkcnt64 blksize caddr can_err_mask canid cc char8 char16 char32 clock clockid
+    comparison_fn
+    cookie_io_functions cookie_read_function cookie_seek_function daddr dev div error fenv fexcept
+    fpos fpos64 fpregset fsblkcnt fsblkcnt64 fsfilcnt fsfilcnt64 fsid gid greg gregset id imaxdiv
+    ino ino64 int8 int16 int32 int64 int_fast8 int_fast16 int_fast32 int_fast64 int_least8
+    int_least16 int_least32 int_least64 intmax intptr key ldiv lldiv loff max_align mbstate
+    mcontext mode nfds nlink off off64 pid ptrdiff quad rsize sa_family sig sig_atomic sigevent
+    sighandler siginfo sigset sigval size sockaddr socklen speed ssize stack suseconds tcflag time
+    timer u_int8 u_int16 u_int32 u_int64 u_quad ucontext uid uint8 uint16 uint32 uint64 uint_fast8
+    uint_fast16 uint_fast32 uint_fast64 uint_least8 uint_least16 uint_least32 uint_least64 uintmax
+    uintptr useconds wchar wctrans wctype wint
     """
 )
-"""Names whose `NAME_t` is a type of the C library or of POSIX."""
+"""Names whose `NAME_t` is a type of the C library, of POSIX or of Linux."""
+
+_RESERVED_PREFIXES = ("ccgen", "port_", "pthread_")
+"""Beginnings of names of the runtime, of the ports, and of POSIX threads."""
 
 _STANDARD_HEADERS = _words(
     """
-    assert complex ctype errno fcntl fenv inttypes iso646 limits locale math poll pthread sched
-    select semaphore setjmp signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef
-    stdint stdio stdlib stdnoreturn string strings termios tgmath threads time uchar unistd wchar
-    wctype
+    alloca assert complex ctype endian errno fcntl features fenv float ieeefp inttypes iso646
+    limits locale math newlib picolibc poll pthread sched select semaphore setjmp signal stdalign
+    stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string strings
+    syslimits termios tgmath threads time uchar unistd wchar wctype
     """
 )
 """Names whose `NAME.h`, on the include path, would hide a header of the C library."""
@@ -74,8 +82,8 @@ def name_problem(name: str) -> str | None:
     if name in _STANDARD_TYPES:
         return f"collides with the type {name}_t of the C library"
     lowered = name.lower()  # files meet on file systems that ignore case
-    if lowered.startswith("ccgen"):
-        return "collides with the runtime's own names"
+    if lowered.startswith(_RESERVED_PREFIXES):
+        return "collides with the names of the runtime, its ports or POSIX threads"
     if lowered in _STANDARD_HEADERS:
         return f"collides with the header {lowered}.h of the C library"
     if lowered in _TAKEN:
