@@ -117,11 +117,25 @@ def test_no_allowed_placement_is_an_error():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"individuals": 0}, {"generations": -1}, {"crossover": 1.5}, {"mutation": -0.1}]
+    ("wrong", "message"),
+    [
+        ({"individuals": 0}, "--individuals: 0 is too small; give at least 1"),
+        ({"generations": -1}, "--generations: -1 is too small; give at least 0"),
+        ({"seed": -1}, "--seed: -1 is too small; give at least 0"),
+        ({"tournament": 0}, "tournaments of 0"),
+        ({"crossover": 1.5}, "probability 1.5"),
+        ({"mutation": -0.1}, "probability -0.1"),
+    ],
 )
-def test_impossible_settings_are_refused(wrong):
-    with pytest.raises(InputError):
+def test_impossible_settings_are_refused(wrong, message):
+    with pytest.raises(InputError, match=message):
         evolve(problem(12, 3.0, 2), Evolution(**wrong))
+
+
+def test_progress_ends_when_everything_is_done():
+    reported = []
+    evolve(problem(12, 3.0, 2), SMALL, lambda done, total: reported.append((done, total)))
+    assert reported == [(k, 5) for k in range(1, 6)]
 
 
 @pytest.mark.parametrize("degrees", [1.0, 8.0])

@@ -275,6 +275,30 @@ def test_senseless_constraints_are_refused(limits, message):
         problem(12, 3.0, 2, **limits)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"enumerated": -1}, "--enumerate: -1 is too small; give at least 0"),
+        ({"starts": 0}, "--starts: 0 is too small; give at least 1"),
+        ({"seed": -1}, "--seed: -1 is too small; give at least 0"),
+    ],
+)
+def test_impossible_settings_are_refused(wrong, message):
+    with pytest.raises(InputError, match=message):
+        search(problem(12, 3.0, 2), Search(**wrong))
+
+
+@pytest.mark.parametrize("enumerated", [0, 10_000])
+def test_progress_ends_when_everything_is_done(enumerated):
+    reported = []
+    quick = Search(enumerated, starts=4)
+    search(problem(12, 3.0, 3), quick, report=lambda *progress: reported.append(progress))
+    total = reported[0][1]
+    assert total == (8438 if enumerated else 4)
+    assert reported == sorted(reported)
+    assert reported[-1] == (total, total)
+
+
 def test_constraints_that_nothing_meets_are_an_error():
     with pytest.raises(InputError, match="no placement of 2 sensors"):
         search(problem(12, 3.0, 2, longest=5))

@@ -41,25 +41,29 @@ class Constraints:
         longest = segments if self.longest is None else self.longest
         if not 1 <= self.shortest <= longest <= segments:
             raise InputError(
-                f"spans of {self.shortest} to {longest} segments do not fit a joint of {segments};"
-                f" give 1 <= shortest <= longest <= {segments}"
+                f"--min-span, --max-span: spans of {self.shortest} to {longest} segments do not"
+                f" fit a joint of {segments}; give 1 <= shortest <= longest <= {segments}"
             )
         for segment in self.forbidden:
             if not 0 <= segment < segments:
                 raise InputError(
-                    f"forbidden segment {segment} does not exist; give 0 to {segments - 1}"
+                    f"--forbid: forbidden segment {segment} does not exist;"
+                    f" give 0 to {segments - 1}"
                 )
         for first, last in self.fixed:
             if not 0 <= first <= last < segments:
                 raise InputError(
-                    f"fixed span [{first}, {last}] does not fit;"
+                    f"--fix: fixed span [{first}, {last}] does not fit;"
                     f" give 0 <= first <= last <= {segments - 1}"
                 )
         if len(self.fixed) > sensors:
-            raise InputError(f"{len(self.fixed)} fixed spans are more than {sensors} sensors")
+            raise InputError(
+                f"--fix: {len(self.fixed)} fixed spans are more than {sensors} sensors"
+            )
         if self.stacked is not None and self.stacked < 1:
             raise InputError(
-                f"at most {self.stacked} sensors over a segment leave it bare; give at least 1"
+                f"--max-stacked: at most {self.stacked} sensors over a segment leave it bare;"
+                " give at least 1"
             )
 
     def allowed(self, segments: int) -> NDArray[np.bool_]:

@@ -6,6 +6,7 @@ need be. A whole generation is costed at once.
 
 from __future__ import annotations
 
+import itertools
 import random
 import threading
 from collections.abc import Iterator
@@ -22,6 +23,7 @@ from ccgen.layouts import Spans, heuristic
 from ccgen.placement.compare import best_of
 from ccgen.placement.cost import Floats, Indices
 from ccgen.placement.problem import Placement, Problem
+from ccgen.placement.settings import Report, at_least, silent
 
 MAXIMUM_COST = 200.0
 """Cost of an invalid individual: 2 ROM for every angle, in % of ROM."""
@@ -61,11 +63,11 @@ class Evolution:
         Raises:
             InputError: which, and what would be right.
         """
-        if self.individuals < 1 or self.generations < 0 or self.tournament < 1:
-            raise InputError(
-                "the evolutionary algorithm needs at least 1 individual, 0 generations"
-                " and tournaments of 1"
-            )
+        at_least(1, "individuals", self.individuals)
+        at_least(0, "generations", self.generations)
+        at_least(0, "seed", self.seed)
+        if self.tournament < 1:
+            raise InputError(f"tournaments of {self.tournament} have no winner; give at least 1")
         for share in (self.crossover, self.mutation, self.gene_mutation):
             if not 0 <= share <= 1:
                 raise InputError(f"probability {share:g} is not one; give 0 to 1")
@@ -110,10 +112,17 @@ def _clone(individual: _Individual) -> _Individual:
     return twin
 
 
-def evolve(problem: Problem, settings: Evolution | None = None) -> Placement:
+def evolve(
+    problem: Problem, settings: Evolution | None = None, report: Report = silent
+) -> Placement:
     """Run the evolutionary algorithm.
 
     The best placement ever seen is returned, or the heuristic one if that is better and allowed.
+
+    Args:
+        problem: the joint, its sensors and constraints.
+        settings: the paper's by default.
+        report: called after each generation.
 
     Raises:
         InputError: impossible settings, or no allowed placement was met.
@@ -121,7 +130,7 @@ def evolve(problem: Problem, settings: Evolution | None = None) -> Placement:
     settings = settings or Evolution()
     settings.check()
     with _seeded(settings.seed):
-        best, evaluations = _run(problem, settings)
+        best, evaluations = _run(problem, settings, report)
     candidates = [spans for spans in best if not problem.violations(spans[None])[0]]
     usual = _heuristic(problem)
     if usual is not None:
@@ -135,9 +144,20 @@ def evolve(problem: Problem, settings: Evolution | None = None) -> Placement:
     return Placement("evolutionary", spans, percent, evaluations)
 
 
-def _run(problem: Problem, settings: Evolution) -> tuple[Indices, int]:
+def _run(problem: Problem, settings: Evolution, report: Report) -> tuple[Indices, int]:
     """The best distinct individuals as placements, fixed sensors first, and evaluations."""
     toolbox = _toolbox(problem, settings)
+    generations = settings.generations + 1
+    finished = itertools.count(1)
+
+    def evaluate_all(evaluate: Any, individuals: Any) -> list[tuple[float]]:
+        """DEAP's map, for an evaluation that takes the whole generation."""
+        generation = list(individuals)
+        found = evaluate(generation).tolist() if generation else []
+        report(next(finished), generations)
+        return [(cost,) for cost in found]
+
+    toolbox.register("map", evaluate_all)
     best = tools.HallOfFame(_FINALISTS)
     population = toolbox.population(n=settings.individuals)
     _, log = algorithms.eaSimple(
@@ -165,14 +185,7 @@ def _toolbox(problem: Problem, settings: Evolution) -> base.Toolbox:
     toolbox.register("mutate", tools.mutUniformInt, low=0, up=top, indpb=settings.gene_mutation)
     toolbox.register("clone", _clone)
     toolbox.register("evaluate", lambda generation: costs(problem, decode(problem, generation)))
-    toolbox.register("map", _at_once)
     return toolbox
-
-
-def _at_once(evaluate: Any, individuals: Any) -> list[tuple[float]]:
-    """DEAP's map, for an evaluation that takes the whole generation."""
-    generation = list(individuals)
-    return [(cost,) for cost in evaluate(generation).tolist()] if generation else []
 
 
 def decode(problem: Problem, individuals: Any) -> Indices:

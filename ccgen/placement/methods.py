@@ -5,6 +5,7 @@ from ccgen.layouts import LAYOUTS, spans_for
 from ccgen.placement.evolution import Evolution, evolve
 from ccgen.placement.problem import Placement, Problem
 from ccgen.placement.search import Search, search
+from ccgen.placement.settings import Report, silent
 
 METHODS = (*LAYOUTS, "evolutionary", "search")
 
@@ -14,16 +15,24 @@ def place(
     method: str,
     evolution: Evolution | None = None,
     search_settings: Search | None = None,
+    report: Report = silent,
 ) -> Placement:
     """Place the sensors by the method of that name, one of `METHODS`.
+
+    Args:
+        problem: the joint, its sensors and constraints.
+        method: the name.
+        evolution: settings of the evolutionary algorithm.
+        search_settings: settings of the search.
+        report: called now and then by methods that take long.
 
     Raises:
         InputError: unknown method, or no placement by it that keeps to the constraints.
     """
     if method == "evolutionary":
-        return evolve(problem, evolution)
+        return evolve(problem, evolution, report)
     if method == "search":
-        return search(problem, search_settings)
+        return search(problem, search_settings, report=report)
     if method not in LAYOUTS:
         raise InputError(f"unknown method {method!r}; give one of {', '.join(METHODS)}")
     return _layout(problem, method)

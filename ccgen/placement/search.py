@@ -1,5 +1,6 @@
 """The best placement: proven by enumeration where that is feasible, else by exchange search."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,6 +14,7 @@ from ccgen.placement.cost import Indices
 from ccgen.placement.exchange import BROKEN, Descent
 from ccgen.placement.exhaustive import Walk, count_allowed, covering
 from ccgen.placement.problem import Placement, Problem, as_spans
+from ccgen.placement.settings import Report, at_least, silent
 
 _FINALISTS = 32
 """Best placements met whose cost is computed again without approximation."""
@@ -39,9 +41,22 @@ class Search:
     starts: int = 24
     seed: int = 0
 
+    def check(self) -> None:
+        """Refuse settings that the search cannot run with.
+
+        Raises:
+            InputError: which, and what would be right.
+        """
+        at_least(0, "enumerate", self.enumerated)
+        at_least(1, "starts", self.starts)
+        at_least(0, "seed", self.seed)
+
 
 def search(
-    problem: Problem, settings: Search | None = None, known: Sequence[Spans] = ()
+    problem: Problem,
+    settings: Search | None = None,
+    known: Sequence[Spans] = (),
+    report: Report = silent,
 ) -> Placement:
     """Find the best placement that keeps to the constraints.
 
@@ -49,36 +64,57 @@ def search(
         problem: the joint, its sensors and constraints.
         settings: how hard to try.
         known: allowed placements that the exchange search starts from too.
+        report: called with the placements, or the descents, that are done.
 
     Raises:
-        InputError: there is none (proven), or none was found.
+        InputError: impossible settings, no such placement (proven), or none was found.
     """
     settings = settings or Search()
+    settings.check()
     # A single placement is no search, whatever the limit.
-    if count_allowed(problem, max(1, settings.enumerated)) is not None:
-        return enumerate_all(problem)
-    return exchange(problem, settings, known)
+    count = count_allowed(problem, max(1, settings.enumerated))
+    if count is None:
+        return exchange(problem, settings, known, report)
+    return enumerate_all(problem, report, count)
 
 
-def enumerate_all(problem: Problem) -> Placement:
+def enumerate_all(problem: Problem, report: Report = silent, count: int = 0) -> Placement:
     """Find the best placement of all, and prove it.
 
     For the paper's cost every placement is costed with squares in place of the soft-L1 loss;
     those that the difference cannot rule out are then compared by `Problem.percents`.
 
+    Args:
+        problem: the joint, its sensors and constraints.
+        report: called with the placements done, each of which is looked at twice.
+        count: how many there are; for the report only.
+
     Raises:
         InputError: no placement keeps to the constraints.
     """
-    best, evaluations = _least_squares_best(problem)
+    best, lowest, evaluations = None, np.inf, 0
+    for batch in filter(len, covering(problem)):
+        costs = problem.model.costs(batch)
+        evaluations += len(costs)
+        least = int(np.argmin(costs))
+        if costs[least] < lowest:
+            best, lowest = batch[least], float(costs[least])
+        report(evaluations // 2, count)
     if best is None:
         raise _impossible(problem)
     limit = problem.percent(as_spans(best))
-    rivals = [within(problem, batch, limit) for batch in covering(problem)]
-    spans, percent = best_of(problem, np.concatenate([best[None], *rivals]))
+    rivals, compared = [best[None]], 0
+    for batch in covering(problem):
+        rivals.append(within(problem, batch, limit))
+        compared += len(batch)
+        report((evaluations + compared) // 2, count)
+    spans, percent = best_of(problem, np.concatenate(rivals))
     return Placement("search", spans, percent, evaluations, "proven", 0.0)
 
 
-def exchange(problem: Problem, settings: Search, known: Sequence[Spans] = ()) -> Placement:
+def exchange(
+    problem: Problem, settings: Search, known: Sequence[Spans] = (), report: Report = silent
+) -> Placement:
     """Descend from known and usual placements, from random ones, and from disturbed best ones.
 
     Every start has spans that are allowed; where no usual one leads to an allowed placement, the
@@ -90,18 +126,24 @@ def exchange(problem: Problem, settings: Search, known: Sequence[Spans] = ()) ->
     random = np.random.default_rng(settings.seed)
     descent = Descent(problem)
     starts = [_onto_catalogue(problem, spans) for spans in _usual(problem, known)]
-    best, lowest = _lowest(descent, starts)
-    if lowest >= BROKEN:
-        starts += _first_allowed(problem)
-        best, lowest = _lowest(descent, starts[-1:])
-    for number in range(len(starts), settings.starts):
-        if best is None or number % 2:
+    usual = len(starts)
+    best, lowest = None, np.inf
+    for number in itertools.count():
+        if number == usual and lowest >= BROKEN:
+            starts += _first_allowed(problem)
+        total = max(settings.starts, len(starts))
+        if number == total:
+            break
+        if number < len(starts):
+            start = starts[number]
+        elif best is None or number % 2:
             start = _random(problem, random)
         else:
             start = _disturb(problem, best, random)
         resting, cost = descent.run(start)
         if cost < lowest:
             best, lowest = resting, cost
+        report(number + 1, total)
     finalists = descent.finalists(_FINALISTS)
     if not len(finalists):
         raise InputError(
@@ -113,25 +155,6 @@ def exchange(problem: Problem, settings: Search, known: Sequence[Spans] = ()) ->
     if not 0 < floor <= percent:
         return Placement("search", spans, percent, descent.evaluations)
     return Placement("search", spans, percent, descent.evaluations, "bound", 1 - floor / percent)
-
-
-def _least_squares_best(problem: Problem) -> tuple[Indices | None, int]:
-    best, lowest, evaluations = None, np.inf, 0
-    for batch in covering(problem):
-        if not len(batch):
-            continue
-        costs = problem.model.costs(batch)
-        evaluations += len(costs)
-        least = int(np.argmin(costs))
-        if costs[least] < lowest:
-            best, lowest = batch[least], float(costs[least])
-    return best, evaluations
-
-
-def _lowest(descent: Descent, starts: Sequence[Indices]) -> tuple[Indices | None, float]:
-    """Where the best of the descents from some placements ends, and its cost."""
-    ends = [descent.run(start) for start in starts]
-    return min(ends, key=lambda end: end[1], default=(None, np.inf))
 
 
 def _first_allowed(problem: Problem) -> list[Indices]:
