@@ -40,6 +40,16 @@ def reproduce(folder, *more):
     )
 
 
+def first_joint(folder):
+    """Wait for the first file of a finished joint."""
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline:
+        for path in folder.glob("joints/m*.json"):
+            return path
+        time.sleep(0.01)
+    raise AssertionError("no joint was finished")
+
+
 def same_files(one, other):
     names = sorted(str(path.relative_to(one)) for path in one.rglob("*") if path.is_file())
     assert names == sorted(
@@ -94,20 +104,22 @@ def test_an_address_that_is_none_is_one_line(tmp_path):
 @pytest.fixture
 def scheduler():
     """A Dask scheduler without workers: what is submitted waits."""
-    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--no-dashboard"]
-    with subprocess.Popen(
-        [*command, "--host", "127.0.0.1", "--port", "0"], stderr=subprocess.PIPE, text=True
-    ) as process:
+    with dask("scheduler", "--no-dashboard", "--host", "127.0.0.1", "--port", "0") as process:
         yield process
         process.kill()
 
 
-def told(process, pattern):
-    """Wait until a line that a process writes on stderr matches; return the match's group."""
-    for line in process.stderr:
-        if match := re.search(pattern, line):
+def dask(what, *options):
+    """Start a part of a Dask cluster."""
+    command = [sys.executable, "-m", f"distributed.cli.dask_{what}", *options]
+    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+
+
+def address_of(scheduler):
+    for line in scheduler.stderr:
+        if match := re.search(r"Scheduler at: *(tcp://\S+)", line):
             return match[1]
-    raise AssertionError(f"ended without {pattern}")
+    raise AssertionError("the scheduler ended")
 
 
 @pytest.mark.parametrize(
@@ -118,22 +130,25 @@ def told(process, pattern):
     ],
 )
 def test_a_study_on_a_cluster_ends_in_one_line(tmp_path, scheduler, ended, by, status, message):
-    address = told(scheduler, r"Scheduler at: *(tcp://\S+)")
-    study = reproduce(tmp_path / "out", "--scheduler", address)
-    told(scheduler, r"(Receive client connection)")
-    os.kill({"study": study, "scheduler": scheduler}[ended].pid, by)
-    _, said = study.communicate(timeout=120)
+    address = address_of(scheduler)
+    with dask("worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard") as worker:
+        study = reproduce(tmp_path / "out", "--scheduler", address)
+        finished = first_joint(tmp_path / "out")
+        os.kill({"study": study, "scheduler": scheduler}[ended].pid, by)
+        _, said = study.communicate(timeout=120)
+        worker.kill()
     assert study.returncode == status
     (line,) = said.decode().splitlines()
     assert line.startswith(message.replace("ADDRESS", address))
     assert ("finished joints are kept" in line) == (ended == "scheduler")
+    assert finished.exists()
 
 
 def test_an_error_cancels_what_waits_on_a_cluster(scheduler):
     waiting = []
 
     def interrupted():
-        with spread.cluster(told(scheduler, r"Scheduler at: *(tcp://\S+)")) as executor:
+        with spread.cluster(address_of(scheduler)) as executor:
             waiting.append(executor.submit(os.getpid))
             raise KeyboardInterrupt
 
@@ -182,9 +197,7 @@ def test_a_killed_run_resumes_to_the_same_bytes(tmp_path):
 
     killed, whole = tmp_path / "killed", tmp_path / "whole"
     process = start(killed)
-    deadline = time.monotonic() + 60
-    while not list(killed.glob("joints/m*.json")) and time.monotonic() < deadline:
-        time.sleep(0.01)
+    first_joint(killed)
     os.kill(process.pid, signal.SIGKILL)
     process.communicate()
     finished = len(list(killed.glob("joints/m*.json")))
