@@ -117,11 +117,36 @@ def test_every_help_carries_an_example(capsys):
         assert f"\n    ccgen {name} " in capsys.readouterr().out
 
 
-def test_wrong_usage_ends_with_status_2(capsys):
-    assert ccgen("init") == 2
-    assert ccgen("init", "elbow", "--colour") == 2
-    assert ccgen("initialise") == 2
-    assert capsys.readouterr().out == ""
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["init"], "ccgen init: missing argument 'NAME'; `ccgen init --help` tells more"),
+        (["init", "elbow", "--colour"], "ccgen init: no such option: --colour"),
+        (["initt"], "Did you mean 'init'?; `ccgen --help` tells more"),
+        (["fit", "x.toml", "--method", "wan"], "'--method': 'wan' is not one of 'direct', 'equal'"),
+    ],
+)
+def test_wrong_usage_is_one_line_and_ends_with_status_2(capsys, words, said):
+    assert ccgen(*words) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err
+    assert err.startswith("ccgen: error: ")
+    assert err.count("\n") == 1
+
+
+def test_without_a_word_it_tells_what_there_is(capsys):
+    assert ccgen() == 0
+    assert "Commands:" in capsys.readouterr().out
+
+
+def test_an_interruption_is_one_line_and_status_130(capsys, monkeypatch, tmp_path):
+    def interrupted(path, data):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("ccgen.outputs.write_file", interrupted)
+    assert ccgen("init", "elbow", "-o", str(tmp_path / "elbow.toml")) == 130
+    assert capsys.readouterr() == ("", "ccgen: interrupted\n")
 
 
 @pytest.mark.parametrize("place", ["before", "after"])
@@ -140,7 +165,6 @@ def test_debug_shows_the_traceback_before_the_line(capsys, place):
     [
         (InputError("joint.toml: x"), 2, "ccgen: error: joint.toml: x\n"),
         (CheckError("3 mismatches"), 1, "ccgen: error: 3 mismatches\n"),
-        (KeyboardInterrupt(), 130, "ccgen: interrupted\n"),
         (OSError(28, "No space left", "f"), 2, "ccgen: error: f: no space left\n"),
     ],
 )

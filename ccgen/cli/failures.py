@@ -13,8 +13,6 @@ from ccgen.errors import CcgenError
 
 P = ParamSpec("P")
 
-_INTERRUPTED = 130
-
 
 class Debug:
     """Whether errors show their traceback; set by `ccgen --debug`."""
@@ -35,8 +33,6 @@ def in_one_line(command: Callable[P, None]) -> Callable[P, None]:
             raise
         except OSError as error:
             _fail(_system_message(error), CcgenError.exit_status)
-        except KeyboardInterrupt:
-            _fail("interrupted", _INTERRUPTED)
 
     return run
 
@@ -44,7 +40,7 @@ def in_one_line(command: Callable[P, None]) -> Callable[P, None]:
 def _fail(message: str, status: int) -> None:
     if Debug.on:
         traceback.print_exc(file=sys.stderr)
-    note(message if status == _INTERRUPTED else f"error: {message}")
+    note(f"error: {message}")
     raise typer.Exit(status)
 
 

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any, cast
 
 import typer
 
@@ -13,6 +13,7 @@ from ccgen.cli.export import export
 from ccgen.cli.failures import Debug, in_one_line
 from ccgen.cli.fit import fit
 from ccgen.cli.init import init
+from ccgen.cli.output import note
 from ccgen.cli.place import place
 from ccgen.cli.reproduce import reproduce
 from ccgen.cli.simulate import simulate
@@ -63,12 +64,36 @@ def ccgen(
     Debug.on = debug
 
 
+_INTERRUPTED = 130
+"""Typer's status after Ctrl-C, of which it says nothing."""
+
+_UsageError = cast(type[Exception], typer.BadParameter.__base__)
+"""What every wrong word on the command line raises; Typer has no public name for it."""
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the program; `--debug` counts wherever it stands."""
+    """Run the program and exit; `--debug` counts wherever it stands.
+
+    Wrong words on the command line are one line on stderr, like every other error.
+    """
     words = list(sys.argv[1:] if arguments is None else arguments)
     if "--debug" in words:
         words = ["--debug", *(word for word in words if word != "--debug")]
-    app(words, prog_name="ccgen")
+    try:
+        status = app(words or ["--help"], prog_name="ccgen", standalone_mode=False)
+    except _UsageError as error:
+        status = _explain(error)
+    if status == _INTERRUPTED:
+        note("interrupted")
+    sys.exit(status)
+
+
+def _explain(error: Any) -> int:
+    """Say what is wrong with the command line, and return the program's status."""
+    command = error.ctx.command_path if error.ctx else "ccgen"
+    message = error.format_message().replace("Value error, ", "").rstrip(".")
+    note(f"error: {command}: {message[0].lower()}{message[1:]}; `{command} --help` tells more")
+    return int(error.exit_code)
 
 
 if __name__ == "__main__":

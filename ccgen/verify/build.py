@@ -68,8 +68,30 @@ def build_process(directory: Path, out: Path, level: str = LEVEL) -> Path:
 def _compile(directory: Path, files: Sequence[Path], target: Path, flags: list[str]) -> Path:
     include = [f"-I{directory / 'src'}", f"-I{directory / 'ports'}", f"-I{directory / 'selftest'}"]
     command = [*compiler(), *FLAGS, *flags, *include, *map(str, files), "-o", str(target)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        first = next((x for x in done.stderr.splitlines() if "error" in x), done.stderr.strip())
-        raise ToolError(f"{directory}: {command[0]} does not compile the folder: {first}")
+    run_compiler(command, target.parent, f"{directory}: {command[0]} does not compile the folder")
     return target
+
+
+def run_compiler(command: Sequence[str], folder: Path, failure: str) -> None:
+    """Run a compiler that leaves its own temporary files in `folder`, where they end with it.
+
+    Args:
+        command: the compiler and its arguments.
+        folder: a temporary one.
+        failure: what is said before the compiler's reason.
+
+    Raises:
+        ToolError: it ended with an error.
+    """
+    place = {**os.environ, "TMPDIR": str(folder)}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=place)
+    if done.returncode != 0:
+        raise ToolError(f"{failure}: {_first_error(done.stderr)}")
+
+
+def _first_error(messages: str) -> str:
+    """The line of a compiler's or linker's messages that says what is wrong."""
+    lines = [line for line in messages.strip().splitlines() if not line.startswith("collect2")]
+    words = ("error", "warning", "undefined", "overflowed", "is full")
+    telling = (line for line in lines if any(word in line for word in words))
+    return next(telling, lines[-1] if lines else "failed without a message")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ccgen.errors import InputError, ToolError
-from ccgen.verify.build import WARNINGS, compiler, sources
+from ccgen.verify.build import WARNINGS, compiler, run_compiler, sources
 
 FLAGS = ("-std=c99", "-g", "-ffunction-sections", "-fdata-sections", "-ffp-contract=off", *WARNINGS)
 
@@ -119,9 +119,7 @@ def _simavr(mcu: str, hertz: int, program: Path, ports: Path, out: Path) -> list
     emulator = out / "simavr_uart"
     source = ports / "avr" / "host" / "simavr_uart.c"
     command = [*compiler(), "-O2", str(source), "-lsimavr", "-o", str(emulator)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise ToolError(f"{source}: {command[0]}: {_first_error(done.stderr)}")
+    run_compiler(command, out, f"{source}: {command[0]}")
     return [str(emulator), mcu, str(hertz), str(program)]
 
 
@@ -200,18 +198,8 @@ def build(directory: Path, core: Core, program: str, out: Path, options: Sequenc
         *map(str, files), *(flag.format(ports=ports) for flag in core.link),
         "-Wl,--gc-sections,--fatal-warnings", "-o", str(target),
     ]  # fmt: skip
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise ToolError(f"{directory}: {core.compile[0]}: {_first_error(done.stderr)}")
+    run_compiler(command, out, f"{directory}: {core.compile[0]}")
     return target
-
-
-def _first_error(messages: str) -> str:
-    """The line of a compiler's or linker's messages that says what is wrong."""
-    lines = [line for line in messages.strip().splitlines() if not line.startswith("collect2")]
-    words = ("error", "warning", "undefined", "overflowed", "is full")
-    telling = (line for line in lines if any(word in line for word in words))
-    return next(telling, lines[-1] if lines else "failed without a message")
 
 
 @functools.cache

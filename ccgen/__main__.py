@@ -1,0 +1,5 @@
+"""`python -m ccgen` is `ccgen`."""
+
+from ccgen.cli.start import start
+
+start()
