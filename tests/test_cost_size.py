@@ -57,6 +57,20 @@ def test_parts_are_what_the_linker_put_into_the_program(shoulder, target, tmp_pa
     assert not {"ccgen_slcan_feed", "shoulder_tip_jacobian"} & set(symbols)
 
 
+@pytest.mark.parametrize("name", ["tip", "node", "harness", "crt0"])
+def test_a_joint_may_be_called_like_a_file_of_the_runtime(shoulder, name, tmp_path):
+    joint = tmp_path / "joint.toml"
+    joint.write_text((ROOT / "examples" / "shoulder.toml").read_text().replace("shoulder", name))
+    export(joint, tmp_path / "out")
+    sizes = []
+    for folder in (shoulder, open_exported(tmp_path / "out")):
+        objects = tmp_path / folder.joint.name
+        objects.mkdir()
+        built = build(folder, core_named("cortex-m4"), objects)
+        sizes.append(read_map(built.map, folder.joint.name))
+    assert sizes[0] == sizes[1]
+
+
 MAP = """\
 Discarded input sections
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from ccgen.cost import harness
 from ccgen.cost.cores import HOST, binutils
 from ccgen.cost.link import link, run
+from ccgen.cost.size import HARNESS
 from ccgen.verify.build import LEVEL, sources
 from ccgen.verify.exported import Exported
 from ccgen.verify.targets.cross import Core
@@ -43,7 +44,9 @@ class Built:
 
 
 def build(exported: Exported, core: Core, folder: Path, level: str = LEVEL) -> Built:
-    """Compile every file to an object named after it, and link what the calls need.
+    """Compile every file to an object, and link what the calls need.
+
+    An object is named after its source, the runtime's with a prefix that no joint has.
 
     Args:
         exported: the folder.
@@ -55,12 +58,13 @@ def build(exported: Exported, core: Core, folder: Path, level: str = LEVEL) -> B
         ToolError: the compiler or the linker does not accept the folder.
     """
     joint = exported.joint.name
-    main = folder / "harness.c"
+    main = folder / f"{HARNESS}.c"
     main.write_text(harness.source(exported), encoding="utf-8")
     compiler = [*core.compile, level, *FLAGS, f"-I{exported.directory / 'src'}"]
     objects = []
     for file in (*sources(exported.directory), main):
-        objects.append(folder / f"{file.stem}.o")
+        prefix = "ccgen_" if file.parent.name == "ccgen" else ""
+        objects.append(folder / f"{prefix}{file.stem}.o")
         run([*compiler, "-c", str(file), "-o", str(objects[-1])])
     roots = [
         *(f"{joint}_{call}" for call in (*CALLS, "init", "capture_zero", "node_init")),

@@ -16,6 +16,9 @@ _ENTRY = re.compile(
 )
 """A section of a file, with the padding that its alignment needs before it."""
 
+HARNESS = "ccgen_harness"
+"""Name of what only measures; no joint's name begins like this."""
+
 PARTS = ("estimator", "kinematics", "node", "library")
 """The joint's three parts, the runtime counted as the node's, and the compiler's own functions."""
 
@@ -46,7 +49,7 @@ def read_map(path: Path, joint: str) -> dict[str, Size]:
     """Sizes by part of what was linked.
 
     Args:
-        path: the map, of a link of objects that are named after their sources.
+        path: the map, of a link of objects that are named as `ccgen.cost.build` names them.
         joint: its name.
 
     Raises:
@@ -67,10 +70,14 @@ def read_map(path: Path, joint: str) -> dict[str, Size]:
 def _part(file: str, joint: str) -> str | None:
     """Which part a linked file belongs to; None for what only measures and for start-up code."""
     name = Path(file).name
-    if name == "harness.o" or re.match(r"crt.*\.o$", name):
+    parts = {
+        f"{joint}.o": "estimator", f"{joint}_kinematics.o": "kinematics", f"{joint}_can.o": "node",
+    }  # fmt: skip
+    if name in parts:
+        return parts[name]
+    if name == f"{HARNESS}.o" or re.match(r"crt.*\.o$", name):
         return None
-    parts = {f"{joint}.o": "estimator", f"{joint}_kinematics.o": "kinematics"}
-    return "library" if ".a(" in file else parts.get(name, "node")
+    return "library" if ".a(" in file else "node"
 
 
 def _size(section: str, size: int) -> Size:
