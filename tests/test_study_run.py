@@ -1,7 +1,9 @@
 import filecmp
 import json
+import math
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,7 +17,7 @@ from typer.testing import CliRunner
 from ccgen.cli.main import app
 from ccgen.errors import InputError, ToolError
 from ccgen.placement import Evolution, Search
-from ccgen.study import spread
+from ccgen.study import sources, spread
 from ccgen.study.joints import Settings, StudyJoint, all_joints, chosen_joints, study_joint
 from ccgen.study.run import Store, run_study
 from ccgen.study.tables import table2, table2_json
@@ -183,6 +185,95 @@ def test_a_spoilt_joint_file_counts_as_unfinished(tmp_path, spoilt):
     store = Store(tmp_path, QUICK)
     (tmp_path / "m12-rom3.json").write_bytes(spoilt)
     assert store.load(StudyJoint(12, 3)) is None
+
+
+def cut_short(stored):
+    del stored["scores"][-1]
+
+
+def twice(stored):
+    stored["scores"].append(stored["scores"][0])
+
+
+def another_cell(stored):
+    stored["scores"][3]["sensors"] = 7
+
+
+def without_score(stored):
+    del stored["scores"][3]["percent_rom"]
+
+
+def nan(stored):
+    stored["scores"][3]["percent_rom"] = math.nan
+
+
+def infinite(stored):
+    stored["scores"][3]["percent_rom"] = math.inf
+
+
+def text(stored):
+    stored["scores"][3]["percent_rom"] = "1.0"
+
+
+def without_fold(stored):
+    del stored["beyond_fold"]
+
+
+def without_scores(stored):
+    stored["scores"] = None
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        *(cut_short, twice, another_cell, without_score, nan, infinite, text),
+        *(without_fold, without_scores),
+    ],
+)
+def test_a_joint_file_that_is_not_whole_is_studied_again(undisturbed, tmp_path, spoil):
+    folder = tmp_path / "out"
+    shutil.copytree(undisturbed, folder)
+    path = folder / "joints" / "m12-rom3.json"
+    stored = json.loads(path.read_bytes())
+    spoil(stored)
+    path.write_text(json.dumps(stored))
+    store = Store(folder / "joints", QUICK)
+    assert store.load(JOINTS[0]) is None
+    assert store.load(JOINTS[1]) is not None
+
+
+def test_a_file_of_another_joint_is_not_taken_for_this_one(undisturbed, tmp_path):
+    shutil.copytree(undisturbed, tmp_path / "out")
+    joints = tmp_path / "out" / "joints"
+    shutil.copy(joints / "m12-rom8.json", joints / "m12-rom3.json")
+    shutil.copy(joints / "m12-rom3.json", joints / "m16-rom1.json")
+    seen = []
+    with spread.processes(1) as executor:
+        again = run(tmp_path / "out", executor, finished=lambda *what: seen.append(what))
+    assert sorted(seen) == [(joint, joint == StudyJoint(12, 8)) for joint in JOINTS]
+    assert same_files(undisturbed, again)
+
+
+def test_results_of_other_sources_count_as_unfinished(undisturbed, tmp_path, monkeypatch):
+    package = tmp_path / "ccgen"
+    shutil.copytree(sources.PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(sources, "PACKAGE", package)
+    assert Store(undisturbed / "joints", QUICK).load(JOINTS[0]) is not None
+    with (package / "placement" / "cost.py").open("a") as file:
+        file.write("# changed\n")
+    assert Store(undisturbed / "joints", QUICK).load(JOINTS[0]) is None
+
+
+def test_every_module_that_a_joint_needs_is_in_the_fingerprint():
+    code = (
+        "import sys, ccgen.study.joints\n"
+        "for name, module in sys.modules.items():\n"
+        "    if name.startswith('ccgen.'): print(module.__file__)\n"
+    )
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    needed = {Path(line) for line in printed.stdout.decode().splitlines()}
+    without_numbers = {sources.PACKAGE / "errors.py", sources.PACKAGE / "study" / "__init__.py"}
+    assert needed - without_numbers <= set(sources.sources())
 
 
 def test_joints_of_other_settings_count_as_unfinished(undisturbed):

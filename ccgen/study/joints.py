@@ -1,5 +1,7 @@
 """One joint of the study: every placement and method of Table 2, and a few more."""
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,7 +22,9 @@ from ccgen.study.paper import (
     SEGMENTS,
     SENSORS,
     SS,
+    TABLE_2,
     WAM,
+    Cell,
 )
 
 SEARCH = "search"
@@ -28,6 +32,14 @@ SEARCH = "search"
 
 PAPER_CALL = "WAM, paper's call"
 """WAM by the paper's own optimiser call, which stops short of the minimum."""
+
+EXTRA_CELLS: tuple[Cell, ...] = tuple(
+    (placement, method, sensors)
+    for placement, method in ((HO, PAPER_CALL), (EE, WAM), (SEARCH, WAM))
+    for sensors in SENSORS
+)
+"""What the paper does not have: its own optimiser call told apart, WAM without overlap, and our
+search."""
 
 _FIT_SAMPLES, _SCORE_SAMPLES = 30, 10
 
@@ -102,6 +114,32 @@ def study_joint(joint: StudyJoint, settings: Settings) -> dict[str, Any]:
         "beyond_fold": beyond_fold(joint.segments, rom),
         "scores": scores,
     }
+
+
+def is_result(results: Mapping[str, Any], joint: StudyJoint) -> bool:
+    """Whether results are what `study_joint` gives for a joint: its own, every cell once, finite.
+
+    Args:
+        results: what a JSON file holds.
+        joint: which joint it should be.
+    """
+    try:
+        scores = {
+            (score["placement"], score["method"], score["sensors"]): score["percent_rom"]
+            for score in results["scores"]
+        }
+        return (
+            results["segments"] == joint.segments
+            and results["range_of_motion_deg"] == joint.range_of_motion_deg
+            and isinstance(results["beyond_fold"], bool)
+            and len(results["scores"]) == len(scores)
+            and scores.keys() == {*TABLE_2, *EXTRA_CELLS}
+            and all(
+                type(percent) is float and 0 <= percent < math.inf for percent in scores.values()
+            )
+        )
+    except (KeyError, TypeError):  # not the structure
+        return False
 
 
 def _scores(

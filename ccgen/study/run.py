@@ -9,7 +9,8 @@ from typing import Any
 
 from ccgen import __version__
 from ccgen.outputs import write_file
-from ccgen.study.joints import Settings, StudyJoint, study_joint
+from ccgen.study.joints import Settings, StudyJoint, is_result, study_joint
+from ccgen.study.sources import fingerprint
 
 Record = Mapping[str, Any]
 
@@ -19,18 +20,25 @@ class Store:
 
     def __init__(self, folder: Path, settings: Settings) -> None:
         self._folder = folder
-        # What else the numbers depend on: files of other settings or versions do not count.
-        self._made_with = {"version": __version__, **asdict(settings)}
+        # What else the numbers depend on: results that differ in any of it do not count.
+        self._made_with = {
+            "version": __version__,
+            "sources_sha256": fingerprint(),
+            **asdict(settings),
+        }
 
     def load(self, joint: StudyJoint) -> Record | None:
-        """Return a joint's results, or None if it is not finished with these settings."""
+        """Return a joint's results, or None if they are not there, or not whole, or not its own.
+
+        Results by other settings, another version or other sources are not there.
+        """
         try:
             stored = json.loads(self._path(joint).read_bytes())
         except (FileNotFoundError, ValueError):
             return None
         if not isinstance(stored, dict) or stored.get("made_with") != self._made_with:
             return None
-        return stored
+        return stored if is_result(stored, joint) else None
 
     def save(self, joint: StudyJoint, results: Record) -> Record:
         """Store a joint's results in one step, and return what `load` will."""

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ccgen.study.joints import PAPER_CALL, SEARCH
+from ccgen.study.joints import EXTRA_CELLS, PAPER_CALL
 from ccgen.study.paper import (
     EE,
-    HO,
     SENSORS,
     TABLE_2,
     TABLE_3_CELLS,
@@ -25,14 +24,6 @@ from ccgen.study.paper import (
 from ccgen.study.run import Record
 
 Row = dict[str, Any]
-
-EXTRA_CELLS: tuple[Cell, ...] = tuple(
-    (placement, method, sensors)
-    for placement, method in ((HO, PAPER_CALL), (EE, WAM), (SEARCH, WAM))
-    for sensors in SENSORS
-)
-"""What the paper does not have: its own optimiser call told apart, WAM without overlap, and our
-search."""
 
 
 def table2(records: Sequence[Record]) -> dict[str, Any]:
