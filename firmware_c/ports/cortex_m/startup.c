@@ -28,8 +28,11 @@ typedef struct {
     vector_t systick;
 } core_vectors_t;
 
-/* Of the linker script. */
-extern uint32_t stack_top, data_load, data_start, data_end, bss_start, bss_end;
+/*
+ * Of the linker script. Arrays, so that a pointer may run on beyond one word; ends are compared
+ * with <, since compilers may take two objects' addresses for never equal, empty sections or not.
+ */
+extern uint32_t stack_top[], data_load[], data_start[], data_end[], bss_start[], bss_end[];
 
 int main(void);
 void reset_handler(void);
@@ -46,7 +49,7 @@ __attribute__((weak)) void systick_handler(void) {
 }
 
 __attribute__((section(".vectors.core"), used)) static const core_vectors_t core_vectors = {
-    .stack = &stack_top,
+    .stack = stack_top,
     .reset = reset_handler,
     .nmi = fault_handler,
     .hard_fault = fault_handler,
@@ -73,12 +76,12 @@ void reset_handler(void) {
 #if defined(__ARM_FP)
     enable_fpu();
 #endif
-    const uint32_t *from = &data_load;
-    for (uint32_t *to = &data_start; to < &data_end; ++to) {
+    const uint32_t *from = data_load;
+    for (uint32_t *to = data_start; to < data_end; ++to) {
         *to = *from;
         ++from;
     }
-    for (uint32_t *to = &bss_start; to < &bss_end; ++to) {
+    for (uint32_t *to = bss_start; to < bss_end; ++to) {
         *to = 0;
     }
     board_end(main());
