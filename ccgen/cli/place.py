@@ -1,20 +1,25 @@
 """`ccgen place`: where to put the sensors."""
 
+import tomllib
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ccgen.cli.choices import Axis, Generations, Individuals
-from ccgen.cli.output import note, print_json, results
+from ccgen.cli.output import note, progress_bars
 from ccgen.cli.plot import write_plot
 from ccgen.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ccgen.cli.place_output import Placed
     from ccgen.joint import Joint
     from ccgen.layouts import Span
-    from ccgen.placement import Constraints, Evolution, Placement, Problem
+    from ccgen.placement import Constraints, Evolution, Placement, Problem, Search
 
 
 class PlacementMethod(StrEnum):
@@ -95,6 +100,7 @@ def place(
     Example:
       ccgen place shoulder.toml --sensors 3 --plot spans.svg
     """
+    from ccgen.cli.place_output import figure, show, show_json
     from ccgen.joint import read_joint
     from ccgen.placement import Constraints, Evolution, Search
 
@@ -106,135 +112,138 @@ def place(
         fixed=tuple(_span(text) for text in fixed or ()),
         stacked=stacked,
     )
-    problem = _problem(joint, axis, sensors, objective, constraints)
     evolution = Evolution(individuals=individuals, generations=generations, seed=seed)
     searching = Search(enumerated=enumerated, starts=starts, seed=seed)
-    found = _find(problem, method, evolution, searching)
-    # Of equals the last, which is the one that may be proven.
-    best = min(reversed(found), key=lambda placement: placement.percent)
-    described = [_describe(joint, axis, problem, placement) for placement in found]
+    evolution.check()
+    searching.check()
+    problems = [
+        (table, axes, _problem(joint, axes[0], sensors, objective, constraints))
+        for table, axes in _tables(joint_file, axis)
+    ]
+    placed = _find(problems, method, evolution, searching)
     if plot is not None:
-        from ccgen.placement.figure import placement_figure
-
-        write_plot(plot, lambda: placement_figure(found, problem.segments, constraints.forbidden))
+        write_plot(plot, lambda: figure(placed, constraints.forbidden))
     if json:
-        chosen = described[found.index(best)]
-        objective_name = Objective.NOISE if problem.noise else Objective.PAPER
-        print_json({**chosen, "objective": str(objective_name), "methods": described})
-        return
-    _print(problem, described)
-    table = "sensors" if axis is None else f"sensors.{axis}"
-    note(f"the best, {best.method}, for the joint file (it replaces placement and count):")
-    spans = [list(span) for span in best.spans]
-    results().print(f"[{table}]\nspans = {spans}", markup=False, soft_wrap=True)
+        show_json(joint, placed)
+    else:
+        show(joint, placed)
+
+
+def _tables(joint_file: Path, axis: Axis | None) -> list[tuple[str, tuple[str, ...]]]:
+    """The tables of the joint file that spans belong into, and the axes that each is for.
+
+    Spans of [sensors] have no effect on an axis that has its own, and its own count, noise or
+    radius make it a different question.
+    """
+    from ccgen.joint import AXES
+
+    own = tomllib.loads(joint_file.read_text(encoding="utf-8"))["sensors"].keys() & set(AXES)
+    if axis is None and not own:
+        return [("sensors", AXES)]
+    chosen = AXES if axis is None else (str(axis),)
+    return [(f"sensors.{one}", (one,)) for one in chosen]
 
 
 def _problem(
     joint: "Joint",
-    axis: Axis | None,
+    axis: str,
     sensors: int | None,
     objective: Objective | None,
     constraints: "Constraints",
 ) -> "Problem":
+    from ccgen.joint_file.tables import MOST_SENSORS
     from ccgen.placement import joint_problem
 
+    if sensors is not None and not 1 <= sensors <= MOST_SENSORS:
+        raise InputError(
+            f"--sensors: {sensors} sensors on an axis; a joint file takes 1 to {MOST_SENSORS}"
+        )
     if objective is None:
         objective = Objective.NOISE if joint.method == "noise-aware" else Objective.PAPER
-    with_noise = objective is Objective.NOISE
-    if axis is None and with_noise:
-        _refuse_different_axes(joint)
-    chosen = axis or Axis.U
-    count = len(joint.axis(chosen).spans) if sensors is None else sensors
-    return joint_problem(joint, chosen, count, constraints, with_noise)
-
-
-def _refuse_different_axes(joint: "Joint") -> None:
-    noises = {(sensor.transducer.noise, sensor.radius) for sensor in (joint.u, joint.v)}
-    if len(noises) > 1:
-        raise InputError(
-            f"--axis: the axes of {joint.source} differ in noise or radius, and so does the best"
-            " placement; give --axis u, then --axis v"
-        )
+    count = len(joint.axis(axis).spans) if sensors is None else sensors
+    return joint_problem(joint, axis, count, constraints, objective is Objective.NOISE)
 
 
 def _find(
-    problem: "Problem",
+    problems: "Sequence[tuple[str, tuple[str, ...], Problem]]",
     method: PlacementMethod | None,
     evolution: "Evolution",
-    searching: Any,
-) -> "list[Placement]":
-    """Placements by one method, or by each that can keep to the constraints."""
-    from ccgen.placement import METHODS
+    searching: "Search",
+) -> "list[Placed]":
+    """Placements for each table; what two of them ask alike is answered once."""
+    from ccgen.cli.place_output import Placed
+
+    answers: dict[tuple[int, float], list[Placement]] = {}
+    messages: dict[str, None] = {}
+    with progress_bars() as report:
+        for _, axes, problem in problems:
+            asked = (problem.sensors, problem.noise)
+            name = f"{axes[0]}: " if len(problems) > 1 else ""
+            if asked not in answers:
+                ask = partial(_place, problem, evolution, searching, report, name)
+                answers[asked], refused = _compare(ask, problem.sensors, method)
+                messages |= dict.fromkeys(f"{name}{error}" for error in refused)
+    for message in messages:
+        note(message)
+    return [
+        Placed(table, axes, problem, answers[problem.sensors, problem.noise])
+        for table, axes, problem in problems
+    ]
+
+
+def _place(
+    problem: "Problem",
+    evolution: "Evolution",
+    searching: "Search",
+    report: "Callable[[str, int, int], None]",
+    name: str,
+    method: str,
+) -> "Placement":
     from ccgen.placement import place as place_by
 
+    return place_by(problem, method, evolution, searching, partial(report, name + method))
+
+
+def _compare(
+    ask: "Callable[[str], Placement]", sensors: int, method: PlacementMethod | None
+) -> "tuple[list[Placement], list[InputError]]":
+    """Placements by one method, or by each that finds one; and the errors of the others.
+
+    Raises:
+        InputError: by no method.
+    """
+    from ccgen.placement import METHODS
+
     if method is not None:
-        return [place_by(problem, method, evolution, searching)]
-    found = []
+        return [ask(method)], []
+    found, refused = [], []
     for name in METHODS:
-        if (name == "single") != (problem.sensors == 1):
+        if name == "single" and sensors != 1:
             continue
         try:
-            found.append(place_by(problem, name, evolution, searching))
+            found.append(ask(name))
         except InputError as error:
-            if name == "search":
-                raise
-            note(str(error))
-    return found
-
-
-def _describe(
-    joint: "Joint", axis: Axis | None, problem: "Problem", placement: "Placement"
-) -> dict[str, Any]:
-    from ccgen.estimation import score_percent_rom, score_with_noise_percent_rom
-
-    weights = problem.weights(placement.spans)
-    sensor = joint.axis(axis or Axis.U)
-    noise, expected = sensor.transducer.noise, None
-    if noise is not None:
-        sigma = [noise / sensor.radius / (b - a + 1) for a, b in placement.spans]
-        expected = score_with_noise_percent_rom(weights, problem.score, sigma)
-    return {
-        "method": placement.method,
-        "spans": [list(span) for span in placement.spans],
-        "score_percent_rom": score_percent_rom(weights, problem.score),
-        "score_with_noise_percent_rom": expected,
-        "evaluations": placement.evaluations,
-        "optimality": placement.optimality,
-        "gap": placement.gap,
-    }
-
-
-def _print(problem: "Problem", described: list[dict[str, Any]]) -> None:
-    from rich.table import Table
-
-    estimator = "noise-aware" if problem.noise else "WAM"
-    table = Table(title=f"{problem.sensors} sensors, {estimator}; error in % of ROM")
-    table.add_column("method", no_wrap=True)
-    table.add_column("spans")
-    for title in ("error", "with noise", "optimality", "evaluations"):
-        table.add_column(title, justify="right")
-    for row in described:
-        expected = row["score_with_noise_percent_rom"]
-        gap = f" ({100 * row['gap']:.0f} % gap)" if row["optimality"] == "bound" else ""
-        table.add_row(
-            row["method"],
-            " ".join(f"{first}-{last}" for first, last in row["spans"]),
-            f"{row['score_percent_rom']:.5g}",
-            "not known" if expected is None else f"{expected:.4g}",
-            row["optimality"] + gap,
-            str(row["evaluations"]),
-        )
-    results().print(table)
+            refused.append(error)
+    if not found:
+        # The search's, which alone may know that there is none.
+        raise refused[-1]
+    return found, refused
 
 
 def _segments(text: str) -> tuple[int, ...]:
     """Segments of a list such as "3,7-9"."""
+    from ccgen.joint_file.tables import MOST_SEGMENTS
+
     found: set[int] = set()
     for item in filter(None, (part.strip() for part in text.split(","))):
         first, dash, last = item.partition("-")
         if not first.isdecimal() or (dash and not last.isdecimal()):
             raise InputError(f"--forbid: {item!r} is no segment; give a list such as 3,7-9")
-        found.update(range(int(first), int(last or first) + 1))
+        segments = range(int(first), int(last or first) + 1)
+        if not segments:
+            raise InputError(f"--forbid: {item!r} is reversed; write {last}-{first}")
+        # As many as no joint has are enough to be refused.
+        found.update(segments[: MOST_SEGMENTS + 1])
     return tuple(sorted(found))
 
 

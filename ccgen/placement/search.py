@@ -147,8 +147,8 @@ def exchange(
     finalists = descent.finalists(_FINALISTS)
     if not len(finalists):
         raise InputError(
-            f"the search met no placement of {problem.sensors} sensors that covers the joint and"
-            " keeps to the constraints; loosen them or use more sensors"
+            f"the search met no placement of {_counted(problem)} that covers the joint and keeps to"
+            " the constraints; loosen them or use more sensors"
         )
     spans, percent = best_of(problem, finalists)
     floor = lower_bound(problem.model, problem.sensors)
@@ -174,9 +174,13 @@ def _first_allowed(problem: Problem) -> list[Indices]:
 
 def _impossible(problem: Problem) -> InputError:
     return InputError(
-        f"no placement of {problem.sensors} sensors covers the joint and keeps to the"
-        " constraints; loosen them or use more sensors"
+        f"no placement of {_counted(problem)} covers the joint and keeps to the constraints;"
+        " loosen them or use more sensors"
     )
+
+
+def _counted(problem: Problem) -> str:
+    return "1 sensor" if problem.sensors == 1 else f"{problem.sensors} sensors"
 
 
 def _usual(problem: Problem, known: Sequence[Spans]) -> list[Indices]:

@@ -1,0 +1,149 @@
+"""What `ccgen place` finds, as a table, as JSON and as lines for the joint file."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from ccgen.cli.output import note, print_json, results
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ccgen.joint import Joint
+    from ccgen.placement import Placement, Problem
+
+_TELLING = 0.9
+"""Largest gap to a lower bound that says something about the placement."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Placements for the sensors of one table of the joint file.
+
+    Attributes:
+        table: its name: "sensors", "sensors.u" or "sensors.v".
+        axes: the axes that it is for.
+        problem: what was asked.
+        found: a placement by each method.
+    """
+
+    table: str
+    axes: tuple[str, ...]
+    problem: "Problem"
+    found: "Sequence[Placement]"
+
+    @property
+    def best(self) -> "Placement":
+        """The lowest error; of equals the last, which is the one that may be proven."""
+        from ccgen.placement.compare import NEGLIGIBLE
+
+        return min(reversed(self.found), key=lambda one: max(one.percent, NEGLIGIBLE))
+
+
+def estimator(placed: Sequence[Placed]) -> str:
+    """The estimation method whose errors the placements were judged by."""
+    return "noise-aware" if placed[0].problem.noise else "wam"
+
+
+def show_json(joint: "Joint", placed: Sequence[Placed]) -> None:
+    """Print one object: the answer for each axis, and at the top what holds for all of them."""
+    axes = {axis: _answer(joint, axis, one) for one in placed for axis in one.axes}
+    answers = list(axes.values())
+    shared = {
+        key: value
+        for key, value in answers[0].items()
+        if all(other[key] == value for other in answers)
+    }
+    method = estimator(placed)
+    objective = "noise" if method == "noise-aware" else "paper"
+    print_json({**shared, "objective": objective, "estimator": method, "axes": axes})
+
+
+def show(joint: "Joint", placed: Sequence[Placed]) -> None:
+    """Print a table for each part, and the lines to paste into the joint file."""
+    for one in placed:
+        _show_table(joint, one)
+    chosen = ", ".join(f"{_named(one)}{one.best.method}" for one in placed)
+    note(f"the best ({chosen}) for the joint file; spans replace placement and count there:")
+    lines = [f"[{one.table}]\nspans = {[list(span) for span in one.best.spans]}" for one in placed]
+    method = estimator(placed)
+    if method != joint.method:
+        note(
+            f"these are the errors of {method}, not of the file's estimator {joint.method};"
+            " [estimator] below chooses it"
+        )
+        lines.append(f'[estimator]\nmethod = "{method}"')
+    results().print("\n\n".join(lines), markup=False, soft_wrap=True)
+
+
+def figure(placed: Sequence[Placed], forbidden: Sequence[int]) -> "Figure":
+    """Draw the spans of all placements along the joint."""
+    from ccgen.placement.figure import placement_figure
+
+    drawn = [
+        replace(placement, method=_named(one) + placement.method)
+        for one in placed
+        for placement in one.found
+    ]
+    return placement_figure(drawn, placed[0].problem.segments, forbidden)
+
+
+def _named(placed: Placed) -> str:
+    """How a method's name begins where the axes are told apart."""
+    return f"{placed.axes[0]}: " if len(placed.axes) == 1 else ""
+
+
+def _answer(joint: "Joint", axis: str, placed: Placed) -> dict[str, Any]:
+    described = [_describe(joint, axis, placed.problem, one) for one in placed.found]
+    return {**described[placed.found.index(placed.best)], "methods": described}
+
+
+def _describe(
+    joint: "Joint", axis: str, problem: "Problem", placement: "Placement"
+) -> dict[str, Any]:
+    from ccgen.estimation import score_percent_rom, score_with_noise_percent_rom
+
+    weights = problem.weights(placement.spans)
+    sensor = joint.axis(axis)
+    noise, expected = sensor.transducer.noise, None
+    if noise is not None:
+        sigma = [noise / sensor.radius / (b - a + 1) for a, b in placement.spans]
+        expected = score_with_noise_percent_rom(weights, problem.score, sigma)
+    return {
+        "method": placement.method,
+        "spans": [list(span) for span in placement.spans],
+        "score_percent_rom": score_percent_rom(weights, problem.score),
+        "score_with_noise_percent_rom": expected,
+        "evaluations": placement.evaluations,
+        "optimality": placement.optimality,
+        "gap": placement.gap,
+    }
+
+
+def _show_table(joint: "Joint", placed: Placed) -> None:
+    from rich.table import Table
+
+    judge = "noise-aware" if placed.problem.noise else "WAM"
+    sensors = "1 sensor" if placed.problem.sensors == 1 else f"{placed.problem.sensors} sensors"
+    table = Table(title=f"{_named(placed)}{sensors}, {judge}; error in % of ROM")
+    table.add_column("method", no_wrap=True)
+    table.add_column("spans")
+    for heading in ("error", "with\nnoise", "optimality", "evaluations"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for row in _answer(joint, placed.axes[0], placed)["methods"]:
+        expected = row["score_with_noise_percent_rom"]
+        table.add_row(
+            row["method"],
+            " ".join(f"{first}-{last}" for first, last in row["spans"]),
+            f"{row['score_percent_rom']:.4g}",
+            "unknown" if expected is None else f"{expected:.4g}",
+            _optimality(row["optimality"], row["gap"]),
+            str(row["evaluations"]),
+        )
+    results().print(table)
+
+
+def _optimality(optimality: str, gap: float | None) -> str:
+    if optimality != "bound" or gap is None:
+        return optimality
+    return f"gap {100 * gap:.0f} %" if gap < _TELLING else "not proven"
