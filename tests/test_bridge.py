@@ -133,6 +133,11 @@ def test_a_folder_that_is_no_export_is_bad_input(tmp_path, capsys):
     assert str(tmp_path) in err
 
 
+def test_a_path_that_is_nothing_is_bad_input(tmp_path, capsys):
+    assert ccgen("bridge", str(tmp_path / "finger.toml")) == 2
+    assert "finger.toml: no such folder or joint file; `ccgen init" in capsys.readouterr().err
+
+
 def test_the_options_know_every_source():
     from ccgen.can.sensors import SOURCES
 

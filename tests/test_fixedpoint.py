@@ -1,3 +1,4 @@
+import json
 import re
 from dataclasses import replace
 from fractions import Fraction
@@ -233,4 +234,22 @@ def test_a_damaged_model_is_an_error_that_names_the_file(tmp_path, text):
     path = tmp_path / "model.json"
     path.write_text(text)
     with pytest.raises(InputError, match=r"model\.json: .*export the joint again"):
+        load_model(path)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("weights", [[1, 2]]), ("weights", [1, 2]), ("weights", []), ("bias", [0]),
+        ("minimum", [[-5], [5]]), ("zero", 0), ("shift", -1), ("shift", 32),
+    ],
+)  # fmt: skip
+def test_a_model_whose_numbers_do_not_fit_together_is_damaged(tmp_path, key, value):
+    record = json.loads(model_json(model_of().model))
+    record["axes"]["v"][key] = value
+    path = tmp_path / "model.json"
+    path.write_text(json.dumps(record))
+    with pytest.raises(
+        InputError, match=r"model\.json: damaged \(axis v: .*export the joint again"
+    ):
         load_model(path)

@@ -576,7 +576,7 @@ WORKING = "`ccgen init NAME` writes one that works"
         (b"# only a comment\n", f"is empty; {WORKING}"),
         (b'name = "a"\n\n# \xff\n', "line 3: byte 0xff is not UTF-8; save the file as UTF-8 text"),
         (b"a = " + 5000 * b"[", f"is nested too deeply; {WORKING}"),
-        (bytes(1_000_001), f"1000001 bytes are no joint file; {WORKING}"),
+        (bytes(1_000_001), f"more than 1000000 bytes are no joint file; {WORKING}"),
     ],
 )
 def test_files_that_are_no_joint_are_refused(tmp_path, data, says):

@@ -76,6 +76,21 @@ def test_the_folder_is_compiled_at_the_level_asked_for(
     assert levels == [["-Os"]] * times
 
 
+def test_a_model_of_another_joint_is_refused(exported, shoulder):
+    shutil.copy(exported / "wrist" / "model.json", shoulder / "model.json")
+    result = verify(shoulder)
+    assert result.exit_code == 2
+    assert "model.json is not of the joint in joint.toml" in result.stderr
+
+
+def test_a_missing_source_is_named_by_what_it_held(shoulder):
+    (shoulder / "src" / "ccgen" / "slcan.c").unlink()
+    result = verify(shoulder)
+    assert result.exit_code == 2
+    assert "src/ccgen/slcan.c differs from what was exported" in result.stderr
+    assert "undefined reference to" in result.stderr
+
+
 def test_a_wrong_weight_is_a_mismatch_over_every_transport(shoulder):
     change(shoulder / "src" / "shoulder.c", r"CCGEN_PAIR\(3544,", "CCGEN_PAIR(3545,")
     result = verify(shoulder, "--json")

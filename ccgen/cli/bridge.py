@@ -114,6 +114,10 @@ def _exported(path: Path) -> Iterator["Exported"]:
     """Open an exported folder, or export a joint's file into one that goes away again."""
     from ccgen.verify.exported import open_exported
 
+    if not path.exists():
+        raise InputError(
+            f"{path}: no such folder or joint file; `ccgen init NAME` writes a joint file"
+        )
     if not path.is_file():
         yield open_exported(path)
         return

@@ -69,4 +69,21 @@ def _axis_record(axis: AxisModel) -> dict[str, Any]:
 def _axis_model(name: str, precision: int, record: dict[str, Any]) -> AxisModel:
     values: dict[str, Any] = {key: kind(record[key]) for key, kind in _SCALARS.items()}
     values |= {key: np.array(record[key], dtype=np.int64) for key in _ARRAYS}
-    return AxisModel(axis=name, precision=precision, **values)
+    model = AxisModel(axis=name, precision=precision, **values)
+    _check(model)
+    return model
+
+
+def _check(axis: AxisModel) -> None:
+    """Raise ValueError for numbers that are no model's."""
+    if axis.precision not in (16, 32) or not 0 <= axis.shift < 2 * axis.precision:
+        raise ValueError(f"axis {axis.axis}: precision {axis.precision}, shift {axis.shift}")
+    if axis.weights.ndim != 2 or 0 in axis.weights.shape:
+        raise ValueError(f"axis {axis.axis}: weights of shape {axis.weights.shape}")
+    expected = {"bias": axis.segments} | dict.fromkeys(("minimum", "maximum", "zero"), axis.sensors)
+    for key, length in expected.items():
+        if getattr(axis, key).shape != (length,):
+            raise ValueError(
+                f"axis {axis.axis}: {key} of shape {getattr(axis, key).shape} beside weights of "
+                f"shape {axis.weights.shape}"
+            )

@@ -22,7 +22,8 @@ _LARGEST_FILE = 1_000_000
 def read(path: Path) -> Joint:
     """Read and check a joint file; see `ccgen.joint.read_joint`."""
     try:
-        data = path.read_bytes()
+        with path.open("rb") as file:
+            data = file.read(_LARGEST_FILE + 1)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; {_INIT_HINT}") from None
     except IsADirectoryError:
@@ -30,7 +31,7 @@ def read(path: Path) -> Joint:
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if len(data) > _LARGEST_FILE:
-        raise InputError(f"{path}: {len(data)} bytes are no joint file; {_INIT_HINT}")
+        raise InputError(f"{path}: more than {_LARGEST_FILE} bytes are no joint file; {_INIT_HINT}")
     return parse(_decoded(data, str(path)), str(path))
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ccgen.can.layout import FrameLayout, layout_for
+from ccgen.errors import InputError
 from ccgen.export.manifest import changed_files, read_manifest
 from ccgen.fixedpoint import FixedPointModel, load_model
 from ccgen.joint import AXES, Joint, read_joint
@@ -59,9 +60,12 @@ def open_exported(directory: Path) -> Exported:
         InputError: it is none, or a file in it is damaged.
     """
     read_manifest(directory)
-    return Exported(
-        directory=directory,
-        joint=read_joint(directory / "joint.toml"),
-        model=load_model(directory / "model.json"),
-        changed=tuple(changed_files(directory)),
-    )
+    joint, model = read_joint(directory / "joint.toml"), load_model(directory / "model.json")
+    for axis in AXES:
+        expected = (joint.geometry.segments, len(joint.axis(axis).spans))
+        if model.axis(axis).weights.shape != expected or model.precision != joint.precision:
+            raise InputError(
+                f"{directory}: model.json is not of the joint in joint.toml (axis {axis}); "
+                f"export the joint again"
+            )
+    return Exported(directory, joint, model, changed=tuple(changed_files(directory)))
