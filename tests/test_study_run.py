@@ -295,7 +295,7 @@ def test_a_killed_run_resumes_to_the_same_bytes(tmp_path):
     assert 1 <= finished < 3
     assert not (killed / "table2.json").exists()
     resumed = start(killed)
-    _, said = resumed.communicate(timeout=120)
+    shown, said = resumed.communicate(timeout=120)
     assert resumed.returncode == 0
     assert f"{finished} of 3 joints were finished before" in said.decode()
     undisturbed = start(whole, "--json")
@@ -304,6 +304,7 @@ def test_a_killed_run_resumes_to_the_same_bytes(tmp_path):
     answer = json.loads(printed)
     assert answer.pop("seconds") > 0
     assert answer == json.loads((whole / "table2.json").read_bytes())
+    assert "no differences: 3 of the 80 joints" in " ".join(shown.decode().split())
     for name in ("joints/.", "."):
         leftovers = [path.name for path in (killed / name).iterdir() if path.name[0] == "."]
         assert not leftovers
@@ -323,6 +324,13 @@ def test_cluster_and_processes_exclude_each_other(tmp_path):
     result = CliRunner().invoke(app, options)
     assert result.exit_code == 2
     assert "--processes" in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_seed_below_zero_is_refused(tmp_path):
+    result = CliRunner().invoke(app, ["reproduce", "-o", str(tmp_path / "out"), "--seed", "-1"])
+    assert result.exit_code == 2
+    assert "'--seed'" in result.stderr
     assert not (tmp_path / "out").exists()
 
 
@@ -404,6 +412,6 @@ def test_joints_that_table_1_does_not_have_are_refused(text):
 def test_a_joint_has_every_cell_once():
     record = study_joint(StudyJoint(12, 3), QUICK)
     cells = [(s["placement"], s["method"], s["sensors"]) for s in record["scores"]]
-    assert len(cells) == len(set(cells)) == 1 + 7 * 5
+    assert len(cells) == len(set(cells)) == 1 + 8 * 5
     assert json.loads(json.dumps(record)) == record
     assert not record["beyond_fold"]

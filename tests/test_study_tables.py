@@ -2,16 +2,23 @@ import base64
 import csv
 import io
 import re
+from html import unescape
+from itertools import product
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from ccgen.estimation import fit_weights, readings
+from ccgen.layouts import end_to_end
 from ccgen.placement import Evolution, Search
+from ccgen.shapes import fit_library, single_shape
 from ccgen.study.figure8 import CASES, case_study_joint, figure8_csv
 from ccgen.study.files import write_files
 from ccgen.study.joints import PAPER_CALL, Settings, StudyJoint, study_joint
 from ccgen.study.paper import TABLE_2, TABLE_3_DECREASE, TABLE_4_DECREASE
+from ccgen.study.table_figure import table_figure
 from ccgen.study.tables import find, percent, table2, table3, table4
 
 QUICK = Settings(Evolution(individuals=60, generations=3), Search(enumerated=3000, starts=1))
@@ -54,6 +61,29 @@ def test_rows_are_the_quartiles_of_the_joints(records):
         assert row["paper"]["median"] == TABLE_2[cell].median
 
 
+def test_some_joints_are_not_compared_with_the_papers_80(records, folder):
+    table = table2(records)
+    for rows in ("rows", "extra_rows", "rows_without_beyond_fold"):
+        assert all(row["relative_difference"] is None for row in table[rows])
+    with (folder / "table2.csv").open() as file:
+        assert {line["relative_difference"] for line in csv.DictReader(file)} == {""}
+    html = (folder / "report.html").read_text()
+    assert "no differences: 4 of the 80 joints that the paper's rows are of" in unescape(html)
+    assert "<td>difference</td>" not in html
+
+
+def test_all_80_joints_are_compared_with_the_papers(records, tmp_path):
+    whole = [{**records[i % 4], "beyond_fold": i < 4} for i in range(80)]
+    table = table2(whole)
+    row = find(table["rows"], ("SS", "DEM", 1))
+    assert row["relative_difference"] == pytest.approx(row["median"] / 16.71 - 1)
+    assert all(row["relative_difference"] is not None for row in table["rows_without_beyond_fold"])
+    write_files(tmp_path, whole)
+    html = (tmp_path / "report.html").read_text()
+    assert "no differences" not in html
+    assert f"<td>{100 * row['relative_difference']:+.1f} %</td>" in html
+
+
 def test_rows_without_joints_beyond_the_fold_leave_those_out(records):
     table = table2(records)
     assert table["beyond_fold"] == [{"segments": 48, "range_of_motion_deg": 8}]
@@ -77,10 +107,11 @@ def test_direct_and_equal_scores_of_few_sensors_are_near_the_papers_median(recor
 
 
 def test_paper_call_is_compared_with_the_papers_wam_row(records):
-    for n in (2, 3, 4, 5, 6):
-        row = find(table2(records)["extra_rows"], ("HO", PAPER_CALL, n))
-        assert row["paper"]["median"] == TABLE_2["HO", "WAM", n].median
-        exact = find(table2(records)["rows"], ("HO", "WAM", n))
+    table = table2(records)
+    for placement, n in product(("HO", "OO"), (2, 3, 4, 5, 6)):
+        row = find(table["extra_rows"], (placement, PAPER_CALL, n))
+        assert row["paper"]["median"] == TABLE_2[placement, "WAM", n].median
+        exact = find(table["rows"], (placement, "WAM", n))
         assert row["median"] >= exact["median"]
 
 
@@ -143,3 +174,29 @@ def test_figure_8_has_four_curves_for_each_loading_and_wam_lies_closest():
         assert off["WAM"] < 1e-5
         assert off["DEM"] > 100 * off["WAM"]
         assert off["E-WAM"] > 100 * off["WAM"]
+        # As the report says.
+        assert off["E-WAM"] > off["DEM"]
+
+
+def test_end_to_end_sensors_give_the_direction_at_the_end_of_each():
+    library = fit_library(case_study_joint())
+    for case in CASES:
+        angles = single_shape(12, case, library.range_of_motion)
+        errors = {}
+        for method, spans in (("direct", end_to_end(12, 3)), ("equal", case_study_joint().u.spans)):
+            estimate = fit_weights(method, library, spans).estimate(readings(angles, spans))
+            errors[method] = estimate - angles
+        assert np.abs(np.cumsum(errors["direct"])[[3, 7, 11]]).max() < 1e-12
+        assert np.abs(np.cumsum(errors["equal"])[[3, 7]]).min() > np.radians(0.1)
+        assert np.abs(errors["equal"]).mean() < np.abs(errors["direct"]).mean()
+
+
+def test_titles_of_several_lines_stay_within_their_cells():
+    figure = table_figure("Table", ["one", "two\nlines"], [["1", "2"]])
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    (table,) = figure.axes[0].tables
+    for cell in table.get_celld().values():
+        text = cell.get_text().get_window_extent()
+        box = cell.get_window_extent()
+        assert box.y0 + 2 < text.y0 < text.y1 < box.y1 - 2

@@ -41,7 +41,7 @@ def reproduce(
         typer.Option("--scheduler", metavar="ADDRESS", help="Use the workers of a Dask cluster."),
     ] = None,
     seed: Annotated[
-        int, typer.Option("--seed", help="Of the evolutionary algorithm and the search.")
+        int, typer.Option("--seed", min=0, help="Of the evolutionary algorithm and the search.")
     ] = 0,
     individuals: Individuals = 500,
     generations: Generations = 10,
@@ -134,7 +134,11 @@ def _reporting(joints: "Sequence[StudyJoint]") -> "Iterator[Callable[[StudyJoint
 def _print(table: dict[str, Any]) -> None:
     from rich.table import Table
 
-    shown = Table(title=f"{table['joints']} joints: median error, % of range of motion")
+    from ccgen.study.tables import is_compared, not_compared
+
+    joints = table["joints"]
+    caption = None if is_compared(joints) else not_compared(joints)
+    shown = Table(title=f"{joints} joints: median error, % of range of motion", caption=caption)
     for title in ("placement", "method", "sensors", "ours", "paper", "difference"):
         shown.add_column(title, justify="left" if title in ("placement", "method") else "right")
     for row in table["rows"] + table["extra_rows"]:

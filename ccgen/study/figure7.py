@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ccgen.study.joints import all_joints
 from ccgen.study.paper import DEM, E_WAM, EE, HO, OO, SENSORS, SS, WAM
 from ccgen.study.tables import Row, find, table2_csv
 
@@ -30,11 +31,12 @@ def figure7_csv(rows: Sequence[Row]) -> bytes:
     return table2_csv(rows)
 
 
-def figure7(rows: Sequence[Row]) -> "Figure":
+def figure7(rows: Sequence[Row], joints: int) -> "Figure":
     """Draw Table 2, on a linear axis as in the paper and on a logarithmic one.
 
     Args:
         rows: the 21 rows of Table 2.
+        joints: how many joints they are of.
     """
     from matplotlib.figure import Figure
 
@@ -53,7 +55,8 @@ def figure7(rows: Sequence[Row]) -> "Figure":
     logarithmic.set_xlabel("sensors per bending axis", fontsize=_TEXT)
     linear.legend(frameon=False, fontsize=_TEXT)
     linear.set_title(
-        "Average segment error: median over the joints, quartiles as bars; ○ the paper",
+        f"Average segment error: median over {joints} joints, quartiles as bars;"
+        f" ○ the paper, {len(all_joints())} joints",
         fontsize=_TEXT + 1,
     )
     return figure

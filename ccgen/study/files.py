@@ -14,6 +14,8 @@ from ccgen.study.table_figure import table_figure
 from ccgen.study.tables import (
     Row,
     decrease_csv,
+    is_compared,
+    not_compared,
     table2,
     table2_csv,
     table2_json,
@@ -40,7 +42,11 @@ def write_files(folder: Path, records: Sequence[Record]) -> dict[str, Any]:
     table = table2(records)
     rows, all_rows = table["rows"], table["rows"] + table["extra_rows"]
     csvs = {"table2": table2_csv(all_rows), "figure7": figure7_csv(rows), "figure8": figure8_csv()}
-    figures = {"figure7": figure7(rows), "figure8": figure8(), "table2": _table2_figure(all_rows)}
+    figures = {
+        "figure7": figure7(rows, table["joints"]),
+        "figure8": figure8(),
+        "table2": _table2_figure(table),
+    }
     for name, title, lines in (
         ("table3", "Table 3: median, heuristic overlap, % of range of motion", table3(rows)),
         ("table4", "Table 4: median, WAM, % of range of motion", table4(rows)),
@@ -62,7 +68,11 @@ def write_files(folder: Path, records: Sequence[Record]) -> dict[str, Any]:
     return table
 
 
-def _table2_figure(rows: Sequence[Row]) -> Any:
+def _table2_figure(table: dict[str, Any]) -> Any:
+    joints = table["joints"]
+    title = "Table 2: error in % of range of motion"
+    if not is_compared(joints):
+        title += f" ({not_compared(joints)})"
     lines = [
         [
             f"{row['placement']}, {row['method']}",
@@ -71,11 +81,11 @@ def _table2_figure(rows: Sequence[Row]) -> Any:
             *([""] * 3 if row["paper"] is None else map(number, row["paper"].values())),
             difference(row["relative_difference"]),
         ]
-        for row in rows
+        for row in table["rows"] + table["extra_rows"]
     ]
     header = ["placement", "sensors", "median", "q1", "q3", *["paper"] * 3, "difference"]
     header[5:8] = ["paper median", "paper q1", "paper q3"]
-    return table_figure("Table 2: error in % of range of motion", header, lines)
+    return table_figure(title, header, lines)
 
 
 def _decrease_figure(title: str, rows: Sequence[Row]) -> Any:

@@ -35,7 +35,7 @@ PAPER_CALL = "WAM, paper's call"
 
 EXTRA_CELLS: tuple[Cell, ...] = tuple(
     (placement, method, sensors)
-    for placement, method in ((HO, PAPER_CALL), (EE, WAM), (SEARCH, WAM))
+    for placement, method in ((HO, PAPER_CALL), (OO, PAPER_CALL), (EE, WAM), (SEARCH, WAM))
     for sensors in SENSORS
 )
 """What the paper does not have: its own optimiser call told apart, WAM without overlap, and our
@@ -155,6 +155,7 @@ def _scores(
         _optimised(OO, evolved),
         _score(EE, WAM, apart, fit, score),
         _score(HO, PAPER_CALL, overlapping, fit, score),
+        _score(OO, PAPER_CALL, evolved.spans, fit, score),
         _optimised(SEARCH, search(problem, settings.search, [evolved.spans])),
     ]
 

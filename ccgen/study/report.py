@@ -11,7 +11,7 @@ from ccgen import resources
 from ccgen.study.figure8 import LENGTH
 from ccgen.study.paper import DEM, E_WAM, EE, HO, OO, SENSORS, WAM
 from ccgen.study.run import Record
-from ccgen.study.tables import Row, find, percent, table3, table4
+from ccgen.study.tables import Row, find, is_compared, not_compared, percent, table3, table4
 
 _COLUMNS = (1, *SENSORS)
 _JOINT_CELLS = ((HO, WAM, 2), (HO, WAM, 3), (HO, WAM, 4), (OO, WAM, 3), (OO, WAM, 4))
@@ -37,6 +37,7 @@ def report(
     )
     html = environment.get_template("report.html.j2").render(
         joints=table["joints"],
+        not_compared=None if is_compared(table["joints"]) else not_compared(table["joints"]),
         segments=_extent(record["segments"] for record in records),
         degrees=_extent(record["range_of_motion_deg"] for record in records),
         sensors=_COLUMNS,
@@ -82,6 +83,7 @@ def _groups(rows: Sequence[Row]) -> list[dict[str, Any]]:
                 "name": f"{placement}, {method}",
                 "cells": [cells.get(n, empty) for n in _COLUMNS],
                 "has_paper": any(cell["paper"] for cell in cells.values()),
+                "has_difference": any(cell["difference"] for cell in cells.values()),
             }
         )
     return groups

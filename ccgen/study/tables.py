@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ccgen.study.joints import EXTRA_CELLS, PAPER_CALL
+from ccgen.study.joints import EXTRA_CELLS, PAPER_CALL, all_joints
 from ccgen.study.paper import (
-    EE,
     SENSORS,
     TABLE_2,
     TABLE_3_CELLS,
@@ -30,21 +29,35 @@ def table2(records: Sequence[Record]) -> dict[str, Any]:
     """Everything in `table2.json`: the rows of Table 2, further rows, and both without some joints.
 
     Joints whose s-shape lies beyond the fold of its branch are named, and the rows given without
-    them too.
+    them too. The paper's medians are of all 80 joints: those of fewer are not compared with them,
+    and `relative_difference` is None.
     """
+    compared = is_compared(len(records))
     before = [record for record in records if not record["beyond_fold"]]
     return {
         "joints": len(records),
-        "rows": _rows(records, TABLE_2),
-        "extra_rows": _rows(records, EXTRA_CELLS),
+        "rows": _rows(records, TABLE_2, compared),
+        "extra_rows": _rows(records, EXTRA_CELLS, compared),
         "beyond_fold": [
             {key: record[key] for key in ("segments", "range_of_motion_deg")}
             for record in records
             if record["beyond_fold"]
         ],
-        "rows_without_beyond_fold": _rows(before, TABLE_2),
-        "extra_rows_without_beyond_fold": _rows(before, EXTRA_CELLS),
+        "rows_without_beyond_fold": _rows(before, TABLE_2, compared),
+        "extra_rows_without_beyond_fold": _rows(before, EXTRA_CELLS, compared),
     }
+
+
+def is_compared(joints: int) -> bool:
+    """Whether a study of so many joints is all that the paper's medians are of."""
+    return joints == len(all_joints())
+
+
+def not_compared(joints: int) -> str:
+    """Why the difference from the paper is not given."""
+    return (
+        f"no differences: {joints} of the {len(all_joints())} joints that the paper's rows are of"
+    )
 
 
 def table2_json(table: dict[str, Any]) -> bytes:
@@ -104,24 +117,23 @@ def _values(row: Row) -> list[object]:
     return [*(row[key] for key in keys), paper["median"], paper["q1"], paper["q3"], difference]
 
 
-def _rows(records: Sequence[Record], cells: Iterable[Cell]) -> list[Row]:
-    return [_row(records, cell) for cell in cells] if records else []
+def _rows(records: Sequence[Record], cells: Iterable[Cell], compared: bool) -> list[Row]:
+    return [_row(records, cell, compared) for cell in cells] if records else []
 
 
-def _row(records: Sequence[Record], cell: Cell) -> Row:
+def _row(records: Sequence[Record], cell: Cell, compared: bool) -> Row:
     placement, method, sensors = cell
     ours = _quartiles([percent(record, cell) for record in records])
     # The paper's own call is what the paper's WAM row comes from.
     paper = TABLE_2.get((placement, WAM, sensors) if method == PAPER_CALL else cell)
-    if placement == EE and method == WAM:
-        paper = None
+    difference = ours.median / paper.median - 1 if paper and compared else None
     return {
         "placement": placement,
         "method": method,
         "sensors": sensors,
         **_as_json(ours),
         "paper": None if paper is None else _as_json(paper),
-        "relative_difference": None if paper is None else ours.median / paper.median - 1,
+        "relative_difference": difference,
     }
 
 
