@@ -1,5 +1,6 @@
 # make demo   the main job on an example: fit, export, verify, a plot
 # make test   everything the tests need, then all of them
+# make prove  the exported C has no undefined behaviour, whatever the input (Frama-C, 1 GB)
 # make vcan   the SocketCAN node on a real vcan, in a kernel that runs as a process
 PYTHON ?= python3
 VENV ?= .venv
@@ -9,8 +10,12 @@ JOINT ?= examples/shoulder.toml
 BIN := $(VENV)/bin
 NAME := $(basename $(notdir $(JOINT)))
 
-# Programs that the tests need, as command:Debian package; libraries go with their program.
-TOOLS := gcc:gcc g++:g++ clang:clang cmake:cmake \
+# libFuzzer is a package of its own; where it is missing, clang answers with the bare name.
+FUZZER = $(shell clang -print-file-name=libclang_rt.fuzzer-$$(uname -m).a 2>/dev/null || echo libFuzzer)
+
+# Programs and files that the tests need, as command or path:Debian package; other libraries go
+# with their program.
+TOOLS = gcc:gcc g++:g++ clang:clang $(FUZZER):libclang-rt-dev cmake:cmake \
   arm-none-eabi-gcc:gcc-arm-none-eabi arm-none-eabi-gcc:libnewlib-arm-none-eabi \
   riscv64-unknown-elf-gcc:gcc-riscv64-unknown-elf \
   riscv64-unknown-elf-gcc:picolibc-riscv64-unknown-elf \
@@ -18,7 +23,7 @@ TOOLS := gcc:gcc g++:g++ clang:clang cmake:cmake \
   arduino-builder:arduino-builder arduino-builder:arduino-core-avr \
   qemu-system-arm:qemu-system-arm qemu-system-riscv32:qemu-system-misc
 
-.PHONY: demo test vcan lint tools benchmark clean
+.PHONY: demo test prove vcan lint tools benchmark clean
 
 demo: $(VENV)/.installed
 	@mkdir -p $(OUT)
@@ -34,6 +39,10 @@ demo: $(VENV)/.installed
 test: tools $(VENV)/.test-installed lint
 	$(BIN)/pytest -n 2 --dist worksteal
 
+prove: TOOLS := frama-c:frama-c-base gcc:gcc
+prove: tools $(VENV)/.installed
+	tests/c/prove/run.sh $(BIN)/ccgen $(OUT)/prove
+
 vcan: TOOLS := gcc:gcc linux.uml:user-mode-linux insmod:kmod ip:iproute2 candump:can-utils
 vcan: tools $(VENV)/.test-installed
 	$(BIN)/python tests/vcan/run.py
@@ -47,7 +56,7 @@ lint: $(VENV)/.test-installed
 tools:
 	@missing=""; names=""; \
 	for tool in $(TOOLS); do \
-	  command -v "$${tool%%:*}" >/dev/null || { missing="$$missing $${tool#*:}"; names="$$names $${tool%%:*}"; }; \
+	  command -v "$${tool%%:*}" >/dev/null || [ -e "$${tool%%:*}" ] || { missing="$$missing $${tool#*:}"; names="$$names $${tool%%:*}"; }; \
 	done; \
 	if [ -n "$$missing" ]; then \
 	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \

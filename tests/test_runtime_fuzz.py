@@ -1,0 +1,127 @@
+"""The C runtime and exported joints under libFuzzer, watched by ASan and UBSan.
+
+Seed and number of runs are fixed, to be over soon. To search for longer, build a driver as below
+and give it a folder for its corpus and `-max_total_time=600`.
+"""
+
+import shutil
+import subprocess
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from runtime_c import C99, HERE, WARNINGS
+
+from ccgen.export.package import export
+from ccgen.fixedpoint import AxisModel
+from ccgen.verify.build import sources
+from ccgen.verify.exported import open_exported
+
+DRIVERS = HERE / "fuzz"
+EXAMPLES = Path(__file__).parent.parent / "examples"
+SANITIZERS = ("-g", "-O1", "-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=all")
+NEEDED = "needs clang with its runtime (Debian packages: clang libclang-rt-dev)"
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory):
+    """Classic CAN with 16 bits, two axes that differ, CAN FD with 32 bits."""
+    root = tmp_path_factory.mktemp("exported")
+    for name in ("shoulder", "wrist", "spine"):
+        export(EXAMPLES / f"{name}.toml", root / name)
+    return root
+
+
+def build(driver: str, folder: Path, out: Path, *flags: str) -> Path:
+    """A driver with what it needs of an exported folder."""
+    assert shutil.which("clang"), NEEDED
+    joint = folder.name
+    linked = {
+        "slcan": [folder / "src" / "ccgen" / "slcan.c"],
+        "estimator": [],
+    }.get(driver, sources(folder))
+    (out / "fuzz_reference.h").write_text(reference(folder))
+    command = [
+        "clang", *C99, *WARNINGS, *SANITIZERS, f"-DFUZZ_LAYOUT={joint}_layout", *flags,
+        f"-I{folder / 'src'}", f"-I{folder / 'ports'}", f"-I{out}",
+        DRIVERS / f"{driver}.c", *linked, "-o", out / driver,
+    ]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{done.stderr}\n{NEEDED}"
+    return out / driver
+
+
+def reference(folder: Path) -> str:
+    """Both axes of the folder's integer reference model, for the driver of the node."""
+    model = open_exported(folder).model
+    return f"static const reference_t reference[2] = {{{axis(model.u)}, {axis(model.v)}}};\n"
+
+
+def axis(model: AxisModel) -> str:
+    fields = [str(model.sensors), str(model.shift)]
+    fields += [numbers(values) for values in (model.minimum, model.maximum, model.bias)]
+    fields.append(f"{{{', '.join(map(numbers, model.weights))}}}")
+    return f"{{{', '.join(fields)}}}"
+
+
+def numbers(values: Iterable[int]) -> str:
+    return f"{{{', '.join(f'INT64_C({value})' for value in values)}}}"
+
+
+def fuzz(program: Path, runs: int) -> subprocess.CompletedProcess[str]:
+    """Long inputs from the start, as most steps need some bytes."""
+    options = ("-seed=1", f"-runs={runs}", "-max_len=512", "-len_control=0", "-timeout=10")
+    artifacts = f"-artifact_prefix={program.parent}/"
+    return subprocess.run(
+        [program, *options, artifacts],
+        capture_output=True,
+        text=True,
+        errors="replace",
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(
+    ("driver", "joint", "runs", "flags"),
+    [
+        ("slcan", "shoulder", 20_000, ()),
+        ("estimator", "shoulder", 20_000, ("-DCCGEN_HALVES=0",)),
+        ("estimator", "shoulder", 20_000, ("-DCCGEN_HALVES=1",)),
+        ("node", "shoulder", 8_000, ()),
+        ("node", "wrist", 8_000, ()),
+        ("node", "spine", 4_000, ()),
+        ("line", "shoulder", 2_000, ()),
+        ("line", "spine", 700, ()),
+    ],
+)
+def test_no_input_breaks_what_holds(driver, joint, runs, flags, exported, tmp_path):
+    done = fuzz(build(driver, exported / joint, tmp_path, *flags), runs)
+    assert done.returncode == 0, done.stderr[-5000:]
+    assert f"Done {runs} runs" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("driver", "joint", "file", "right", "wrong"),
+    [
+        ("slcan", "shoulder", "src/ccgen/slcan.c",
+         "length < CCGEN_SLCAN_LINE_MAX", "length <= CCGEN_SLCAN_LINE_MAX"),
+        ("estimator", "shoulder", "src/ccgen/kernel32.h",
+         "(steps == 0u) ? 1u : steps", "(steps == 0u) ? 0u : steps"),
+        ("node", "shoulder", "src/ccgen/snapshot.c",
+         "snapshot->received = 0;", ""),
+        ("node", "shoulder", "src/ccgen/node.c",
+         "node->estimated ? angle_at", "true ? angle_at"),
+        ("node", "wrist", "src/wrist.c",
+         "true, /* saturates */", "false, /* saturates */"),
+        ("line", "shoulder", "ports/posix/main.c",
+         "output->end -= output->begin;", "output->end = 0;"),
+    ],
+)  # fmt: skip
+def test_a_planted_fault_is_found(driver, joint, file, right, wrong, exported, tmp_path):
+    folder = Path(shutil.copytree(exported / joint, tmp_path / joint))
+    source = (folder / file).read_text()
+    assert right in source
+    (folder / file).write_text(source.replace(right, wrong, 1))
+    done = fuzz(build(driver, folder, tmp_path), 4_000)
+    assert done.returncode != 0
+    assert "SUMMARY: " in done.stderr
