@@ -55,9 +55,8 @@ def is_compared(joints: int) -> bool:
 
 def not_compared(joints: int) -> str:
     """Why the difference from the paper is not given."""
-    return (
-        f"no differences: {joints} of the {len(all_joints())} joints that the paper's rows are of"
-    )
+    known = len(all_joints())
+    return f"only {joints} of the paper's {known} joints, so no difference from its medians"
 
 
 def table2_json(table: dict[str, Any]) -> bytes:
