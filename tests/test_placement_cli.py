@@ -172,6 +172,12 @@ def test_axes_with_tables_of_their_own_are_placed_one_by_one():
     assert alone["spans"] == found["axes"]["v"]["spans"]
 
 
+def test_an_error_names_the_axis_where_axes_are_placed_one_by_one():
+    result = run(WRIST, "--max-span", 3, *FEW)
+    assert result.exit_code == 2
+    assert result.stderr.startswith("ccgen: error: v: no placement of 2 sensors covers")
+
+
 def test_axes_that_differ_in_noise_are_answered_for_each(tmp_path):
     joint = tmp_path / "joint.toml"
     joint.write_text(SHOULDER.read_text() + "\n[sensors.v]\nradius = 0.002\n")

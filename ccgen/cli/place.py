@@ -174,15 +174,18 @@ def _find(
     from ccgen.cli.place_output import Placed
 
     answers: dict[tuple[int, float], list[Placement]] = {}
-    messages: dict[str, None] = {}
+    messages: list[str] = []
     with progress_bars() as report:
         for _, axes, problem in problems:
             asked = (problem.sensors, problem.noise)
             name = f"{axes[0]}: " if len(problems) > 1 else ""
             if asked not in answers:
                 ask = partial(_place, problem, evolution, searching, report, name)
-                answers[asked], refused = _compare(ask, problem.sensors, method)
-                messages |= dict.fromkeys(f"{name}{error}" for error in refused)
+                try:
+                    answers[asked], refused = _compare(ask, problem.sensors, method)
+                except InputError as error:
+                    raise InputError(f"{name}{error}") from error
+                messages += [f"{name}{error}" for error in refused]
     for message in messages:
         note(message)
     return [
