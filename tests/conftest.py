@@ -1,4 +1,19 @@
+import os
 import signal
+
+from hypothesis import HealthCheck, settings
+
+# The same examples in every run, and as much time for each as a busy machine takes.
+settings.register_profile(
+    "ccgen",
+    derandomize=True,
+    database=None,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.load_profile("ccgen")
+
+os.environ["COLUMNS"] = "80"  # of tables, here and in programs that are run
 
 
 def pytest_configure():

@@ -4,19 +4,23 @@ import json
 import threading
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import can
 import numpy as np
 import pytest
 from rich.console import Console
+from waiting import PATIENCE
 
 from ccgen.can.bridge import simulate
 from ccgen.can.exchange import Answer
+from ccgen.can.transports.library import library_node
 from ccgen.cli import bridge_display
 from ccgen.cli.bridge import Source
 from ccgen.cli.main import main
 from ccgen.export.package import export
 from ccgen.shapes import score_library
+from ccgen.verify.build import build_shared
 from ccgen.verify.exported import open_exported
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "shoulder.toml"
@@ -86,14 +90,10 @@ def test_a_node_that_answers_wrongly_fails_the_bridge(folder, capsys):
     channel = "spoilt"
     exported = open_exported(folder)
     swallowed = exported.layout.frames_of("angles")[2].id
-    done = threading.Event()
+    library = build_shared(folder, folder.parent)
+    outer, done = can.Bus(interface="virtual", channel=channel), threading.Event()
 
     def forward():
-        from ccgen.can.transports.library import library_node
-        from ccgen.verify.build import build_shared
-
-        library = build_shared(folder, folder.parent)
-        ready.set()
         with library_node(library, exported.layout) as node, outer:
             while not done.is_set():
                 while (message := outer.recv(0)) is not None:
@@ -102,19 +102,20 @@ def test_a_node_that_answers_wrongly_fails_the_bridge(folder, capsys):
                 if message is not None and message.arbitration_id != swallowed:
                     outer.send(message)
 
-    outer, ready = can.Bus(interface="virtual", channel=channel), threading.Event()
     thread = threading.Thread(target=forward)
     thread.start()
-    assert ready.wait(30)
-    status = ccgen(
-        "bridge", str(folder), "--interface", "virtual", "--channel", channel, "--seconds", "0.05"
-    )
-    done.set()
-    thread.join(10)
+    try:
+        status = ccgen(
+            "bridge", str(folder), "--interface", "virtual", "--channel", channel,
+            "--seconds", "0.04",
+        )  # fmt: skip
+    finally:
+        done.set()
+        thread.join(PATIENCE)
     assert not thread.is_alive()
     out, err = capsys.readouterr()
     assert status == 1
-    assert "0 of 5 answered" in out
+    assert "0 of 4 answered" in out
     assert "no snapshot was answered in full" in err
 
 
@@ -185,7 +186,7 @@ def test_plain_progress_is_a_line_with_both_errors(stream):
 
 def test_progress_is_shown_once_an_interval(monkeypatch, stream):
     clock, shown = [0.0], []
-    monkeypatch.setattr(bridge_display.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(bridge_display, "time", SimpleNamespace(monotonic=lambda: clock[0]))
     show = bridge_display._every(0.1, lambda answer, seconds: shown.append(seconds))
     for step in range(26):
         clock[0] = step / 100

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import can
 import pytest
+from processes import children
+from waiting import PATIENCE, read_until
 
 from ccgen.can.layout import FrameLayout
 from ccgen.can.transports import process
@@ -41,7 +43,7 @@ def line():
     far, near = os.openpty()
     tty.setraw(near)
     bus = BlockSlcanBus(os.ttyname(near))
-    os.read(far, 100)
+    read_until(far, lambda said: said.endswith(b"O\r"))
     yield far, bus
     bus.shutdown()
     os.close(near)
@@ -76,18 +78,19 @@ def program(tmp_path):
 )
 def test_frames_take_the_form_of_a_line_both_ways(line, message, text):
     far, bus = line
-    bus.send(message, timeout=1.0)
-    assert os.read(far, 1000) == text
+    bus.send(message, timeout=PATIENCE)
+    assert read_until(far, lambda sent: len(sent) >= len(text)) == text
     os.write(far, b"\rz\r" + text)
-    received = bus.recv(timeout=1.0)
+    received = bus.recv(PATIENCE)
     assert received.equals(message, timestamp_delta=None, check_direction=False)
 
 
 def test_several_frames_leave_in_one_write(line):
     far, bus = line
     frames = [can.Message(arbitration_id=k, is_extended_id=False, data=[k]) for k in (1, 2, 3)]
-    bus.send_all(frames, timeout=1.0)
-    assert os.read(far, 1000) == b"t001101\rt002102\rt003103\r"
+    bus.send_all(frames, timeout=PATIENCE)
+    text = b"t001101\rt002102\rt003103\r"
+    assert read_until(far, lambda sent: len(sent) >= len(text)) == text
 
 
 def test_lines_may_arrive_in_pieces(line):
@@ -95,21 +98,21 @@ def test_lines_may_arrive_in_pieces(line):
     for piece in (b"t3", b"002", b"01F", b"F\rt301", b"0\r"):
         os.write(far, piece)
         time.sleep(0.002)
-    assert bytes(bus.recv(1.0).data) == b"\1\xff"
-    assert bus.recv(1.0).arbitration_id == 0x301
+    assert bytes(bus.recv(PATIENCE).data) == b"\1\xff"
+    assert bus.recv(PATIENCE).arbitration_id == 0x301
 
 
 def test_a_malformed_line_is_counted_and_the_next_frame_still_comes(line):
     far, bus = line
     os.write(far, b"t3zz1\rT12\rt300401\xc3\x28\rt3010\r")
-    assert bus.recv(1.0).arbitration_id == 0x301
+    assert bus.recv(PATIENCE).arbitration_id == 0x301
     assert bus.malformed_lines == 3
 
 
 def test_refusals_are_counted(line):
     far, bus = line
-    os.write(far, b"\a\a")
-    assert bus.recv(0.05) is None
+    os.write(far, b"\a\at3010\r")
+    assert bus.recv(PATIENCE).arbitration_id == 0x301
     assert bus.refused_lines == 2
 
 
@@ -117,7 +120,7 @@ def test_waiting_ends_with_the_time_out(line):
     _, bus = line
     begin = time.monotonic()
     assert bus.recv(0.05) is None
-    assert time.monotonic() - begin < 1.0
+    assert time.monotonic() - begin < 10.0
 
 
 def test_a_full_line_ends_the_send_with_an_error(line):
@@ -136,8 +139,8 @@ def test_a_process_receives_and_answers(program):
     with process_node(program(ECHO)) as bus:
         for number in range(50):
             frame = can.Message(arbitration_id=number, is_extended_id=False, data=[number])
-            bus.send(frame, timeout=1.0)
-            assert bus.recv(5.0).arbitration_id == number
+            bus.send(frame, timeout=PATIENCE)
+            assert bus.recv(PATIENCE).arbitration_id == number
 
 
 def test_a_process_is_given_time_for_a_snapshot_that_a_busy_machine_may_need(program):
@@ -146,7 +149,7 @@ def test_a_process_is_given_time_for_a_snapshot_that_a_busy_machine_may_need(pro
     )
     with pytest.raises(ToolError, match=r"\['--window-ms', '10000'\]"):  # noqa: SIM117
         with process_node(program(tell)) as bus:
-            assert bus.recv(5.0) is not None
+            assert bus.recv(PATIENCE) is not None
 
 
 def test_a_process_that_fails_says_why(program):
@@ -163,10 +166,10 @@ def test_a_process_that_fails_says_why(program):
 
 def test_a_process_that_does_not_end_is_ended(program, monkeypatch):
     monkeypatch.setattr(process, "_GRACE", 0.1)
+    before = children()
     with process_node(program("import time\ntime.sleep(100)")):
-        pass
-    with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)
+        assert len(children() - before) == 1
+    assert children() <= before
 
 
 def test_a_program_that_cannot_run_is_named(tmp_path):
@@ -175,16 +178,20 @@ def test_a_program_that_cannot_run_is_named(tmp_path):
 
 
 def open_files():
-    return {path.name for path in Path("/proc/self/fd").iterdir()}
+    """Descriptors and what they are open for; not the one that lists them, closed by then."""
+    found = set()
+    for descriptor in Path("/proc/self/fd").iterdir():
+        with suppress(FileNotFoundError):
+            found.add((descriptor.name, descriptor.readlink()))
+    return found
 
 
 def test_an_error_in_the_block_still_ends_the_process(program):
-    before = open_files()
+    files, processes = open_files(), children()
     with pytest.raises(RuntimeError, match="mine"), process_node(program(ECHO)):
         raise RuntimeError("mine")
-    with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)
-    assert open_files() == before
+    assert children() <= processes
+    assert open_files() <= files
 
 
 def test_an_interface_that_does_not_open_is_bad_input():

@@ -80,7 +80,7 @@ def run_readme(project: Path) -> str:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     return run(
         "sh", "-eu", "-c", blocks[0],
-        cwd=project, env=os.environ | {"PATH": path, "CFLAGS": STRICT}, timeout=120,
+        cwd=project, env=os.environ | {"PATH": path, "CFLAGS": STRICT}, timeout=600,
     )  # fmt: skip
 
 

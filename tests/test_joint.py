@@ -621,7 +621,7 @@ def test_a_byte_order_mark_is_no_error(tmp_path):
     assert read_joint(file) == joint_with()
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.integers(0, len(SMALLEST)), st.text(max_size=4), st.integers(0, 10))
 def test_damaged_text_is_a_joint_or_one_line(place, inserted, removed):
     text = SMALLEST[:place] + inserted + SMALLEST[place + removed :]

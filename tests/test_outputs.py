@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from waiting import PATIENCE
 
 from ccgen.errors import InputError
 from ccgen.outputs import new_folder, write_file
@@ -179,7 +180,7 @@ def test_a_signal_leaves_the_old_folder_and_nothing_else(tmp_path, number):
         "with new_folder(Path('out'), lambda folder: True) as folder:\n"
         "    (folder / 'a').write_text('new')\n"
         "    print('ready', flush=True)\n"
-        "    time.sleep(30)\n"
+        "    time.sleep(600)\n"
     )
     process = subprocess.Popen(
         [sys.executable, "-c", program], cwd=tmp_path, stdout=subprocess.PIPE,
@@ -188,7 +189,7 @@ def test_a_signal_leaves_the_old_folder_and_nothing_else(tmp_path, number):
     assert process.stdout is not None
     assert process.stdout.readline() == b"ready\n"
     process.send_signal(number)
-    process.communicate(timeout=20)
+    process.communicate(timeout=PATIENCE)
     assert process.returncode == (-number if number == signal.SIGINT else 128 + number)
     assert content(tmp_path) == {"out/a": "old"}
 

@@ -5,7 +5,7 @@ import ctypes
 import e2e.p01
 import e2e.p05
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from runtime_c import load
 
@@ -49,7 +49,6 @@ def test_crc16_gives_its_check_value():
     assert int.from_bytes(protected[:2], "little") == 0x29B1
 
 
-@settings(deadline=None)
 @given(data_ids, st.integers(0, 14), classic)
 def test_p01_equals_autosar_e2e(data_id, counter, data):
     oracle = bytearray(data)
@@ -59,7 +58,6 @@ def test_p01_equals_autosar_e2e(data_id, counter, data):
     assert check(P01, data_id, oracle) == counter
 
 
-@settings(deadline=None)
 @given(data_ids, st.integers(0, 255), fd)
 def test_p05_equals_autosar_e2e(data_id, counter, data):
     oracle = bytearray(data)
@@ -69,7 +67,6 @@ def test_p05_equals_autosar_e2e(data_id, counter, data):
     assert check(P05, data_id, oracle) == counter
 
 
-@settings(deadline=None)
 @given(st.sampled_from([P01, P05]), data_ids, st.integers(0, 14), fd, st.data())
 def test_every_single_bit_error_is_found(profile, data_id, counter, data, draw):
     protected = bytearray(protect(profile, data_id, counter, data))
@@ -78,7 +75,6 @@ def test_every_single_bit_error_is_found(profile, data_id, counter, data, draw):
     assert check(profile, data_id, protected) == CRC
 
 
-@settings(deadline=None)
 @given(st.sampled_from([P01, P05]), data_ids, st.integers(1, 255), st.sampled_from([0, 8]), fd)
 def test_a_frame_under_another_identifier_is_refused(profile, sent, difference, shift, data):
     """Certain where the identifiers differ in one byte, as those of one joint do."""

@@ -75,7 +75,6 @@ def frames(draw: st.DrawFn) -> Frame:
     )
 
 
-@settings(deadline=None)
 @given(frames())
 def test_every_frame_survives_the_round_trip(sent):
     replies, received, refused = opened().feed(encode(sent))
@@ -83,7 +82,6 @@ def test_every_frame_survives_the_round_trip(sent):
     assert same(received[0], sent)
 
 
-@settings(deadline=None)
 @given(frames())
 def test_lines_are_what_python_can_reads_and_writes(sent):
     """python-can's own reader and writer stand for the other end of the line."""
@@ -203,7 +201,7 @@ def test_line_feeds_are_ignored():
     assert ([f.id for f in received], refused) == ([0x123, 0x124, 0x125], 0)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.lists(st.one_of(st.binary(max_size=40), frames().map(encode)), max_size=12))
 def test_every_line_of_any_stream_gets_one_answer(pieces):
     slcan = opened()

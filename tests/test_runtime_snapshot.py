@@ -451,7 +451,7 @@ events = st.tuples(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.lists(events, max_size=25), st.integers(0, 2**32 - 1))
 def test_any_sequence_of_mishaps_follows_the_rules_and_never_mixes(sequence, start):
     snapshot, model = Snapshot(), Model()

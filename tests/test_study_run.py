@@ -12,7 +12,9 @@ from concurrent.futures import CancelledError
 from pathlib import Path
 
 import pytest
+from processes import runs
 from typer.testing import CliRunner
+from waiting import PATIENCE, becomes
 
 from ccgen.cli.main import app
 from ccgen.errors import InputError, ToolError
@@ -24,6 +26,15 @@ from ccgen.study.tables import table2, table2_json
 
 QUICK = Settings(Evolution(individuals=30, generations=2), Search(enumerated=500, starts=1))
 JOINTS = (StudyJoint(12, 3), StudyJoint(12, 8), StudyJoint(16, 1))
+KILLED_AFTER_ONE_JOINT = """
+import os, signal
+from ccgen.study.run import Store
+save = Store.save
+def save_one(self, joint, results):
+    save(self, joint, results)
+    os.kill(os.getpid(), signal.SIGKILL)
+Store.save = save_one
+"""
 
 
 def run(folder, executor, joints=JOINTS, settings=QUICK, finished=None):
@@ -33,23 +44,26 @@ def run(folder, executor, joints=JOINTS, settings=QUICK, finished=None):
     return folder
 
 
-def reproduce(folder, *more):
-    """Start the command on three joints."""
-    command = [sys.executable, "-m", "ccgen.cli.main", "reproduce", "-o", str(folder)]
+def reproduce(folder, *more, before=""):
+    """Start the command on three joints, in a program that may do something before."""
+    program = f"{before}\nfrom ccgen.cli.main import main\nmain()\n"
+    command = [sys.executable, "-c", program, "reproduce", "-o", str(folder)]
     options = ["--joints", "12:1,12:2,12:3", "--individuals", "20", "--generations", "1"]
     return subprocess.Popen(
         [*command, *options, *more], stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
 
 
+def ended(study):
+    """Wait for the command's end; gives its status and what it printed on stdout and stderr."""
+    printed, said = study.communicate(timeout=10 * PATIENCE)
+    return study.returncode, printed.decode(), said.decode()
+
+
 def first_joint(folder):
     """Wait for the first file of a finished joint."""
-    deadline = time.monotonic() + 120
-    while time.monotonic() < deadline:
-        for path in folder.glob("joints/m*.json"):
-            return path
-        time.sleep(0.01)
-    raise AssertionError("no joint was finished")
+    assert becomes(lambda: any(folder.glob("joints/m*.json"))), "no joint was finished"
+    return next(folder.glob("joints/m*.json"))
 
 
 def same_files(one, other):
@@ -79,7 +93,7 @@ def test_a_dask_cluster_of_two_workers_gives_the_same_bytes(undisturbed, tmp_pat
     # Two threads each: joints that share a worker must not share random numbers either.
     with (
         LocalCluster(n_workers=2, threads_per_worker=2, dashboard_address=":0") as workers,
-        spread.cluster(workers.scheduler_address) as executor,
+        spread.cluster(workers.scheduler_address, PATIENCE) as executor,
     ):
         on_cluster = run(tmp_path, executor)
     assert same_files(undisturbed, on_cluster)
@@ -94,10 +108,9 @@ def test_no_scheduler_is_one_line():
 
 
 def test_an_address_that_is_none_is_one_line(tmp_path):
-    refused = reproduce(tmp_path / "out", "--scheduler", "nowhere")
-    _, said = refused.communicate(timeout=120)
-    assert refused.returncode == 2
-    assert said.decode().splitlines() == [
+    status, _, said = ended(reproduce(tmp_path / "out", "--scheduler", "nowhere"))
+    assert status == 2
+    assert said.splitlines() == [
         "ccgen: error: --scheduler: no Dask scheduler answers at nowhere;"
         " give the address that it prints, such as tcp://192.0.2.1:8786"
     ]
@@ -125,24 +138,25 @@ def address_of(scheduler):
 
 
 @pytest.mark.parametrize(
-    ("ended", "by", "status", "message"),
+    ("victim", "by", "status", "message"),
     [
         ("study", signal.SIGINT, 130, "ccgen: interrupted"),
         ("scheduler", signal.SIGKILL, 2, "ccgen: error: the Dask cluster at ADDRESS was lost;"),
     ],
 )
-def test_a_study_on_a_cluster_ends_in_one_line(tmp_path, scheduler, ended, by, status, message):
+def test_a_study_on_a_cluster_ends_in_one_line(tmp_path, scheduler, victim, by, status, message):
     address = address_of(scheduler)
     with dask("worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard") as worker:
-        study = reproduce(tmp_path / "out", "--scheduler", address)
+        # So many joints that they are not finished before the first one is noticed.
+        study = reproduce(tmp_path / "out", "--scheduler", address, "--joints", "12,16,20,24")
         finished = first_joint(tmp_path / "out")
-        os.kill({"study": study, "scheduler": scheduler}[ended].pid, by)
-        _, said = study.communicate(timeout=120)
+        os.kill({"study": study, "scheduler": scheduler}[victim].pid, by)
+        end = ended(study)
         worker.kill()
-    assert study.returncode == status
-    (line,) = said.decode().splitlines()
+    (line,) = end[2].splitlines()
+    assert end[0] == status
     assert line.startswith(message.replace("ADDRESS", address))
-    assert ("finished joints are kept" in line) == (ended == "scheduler")
+    assert ("finished joints are kept" in line) == (victim == "scheduler")
     assert finished.exists()
 
 
@@ -150,14 +164,14 @@ def test_an_error_cancels_what_waits_on_a_cluster(scheduler):
     waiting = []
 
     def interrupted():
-        with spread.cluster(address_of(scheduler)) as executor:
+        with spread.cluster(address_of(scheduler), PATIENCE) as executor:
             waiting.append(executor.submit(os.getpid))
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         interrupted()
     with pytest.raises(CancelledError):
-        waiting[0].result(timeout=60)
+        waiting[0].result(PATIENCE)
 
 
 def test_a_process_that_is_killed_is_one_line():
@@ -283,28 +297,22 @@ def test_joints_of_other_settings_count_as_unfinished(undisturbed):
 
 
 def test_a_killed_run_resumes_to_the_same_bytes(tmp_path):
-    def start(folder, *more):
-        return reproduce(folder, "--processes", "1", *more)
+    def study(folder, *more, before=""):
+        return ended(reproduce(folder, "--processes", "1", *more, before=before))
 
     killed, whole = tmp_path / "killed", tmp_path / "whole"
-    process = start(killed)
-    first_joint(killed)
-    os.kill(process.pid, signal.SIGKILL)
-    process.communicate()
-    finished = len(list(killed.glob("joints/m*.json")))
-    assert 1 <= finished < 3
+    assert study(killed, before=KILLED_AFTER_ONE_JOINT)[0] == -signal.SIGKILL
+    assert len(list(killed.glob("joints/m*.json"))) == 1
     assert not (killed / "table2.json").exists()
-    resumed = start(killed)
-    shown, said = resumed.communicate(timeout=120)
-    assert resumed.returncode == 0
-    assert f"{finished} of 3 joints were finished before" in said.decode()
-    undisturbed = start(whole, "--json")
-    printed, _ = undisturbed.communicate(timeout=120)
-    assert undisturbed.returncode == 0
+    status, shown, said = study(killed)
+    assert status == 0, said
+    assert "1 of 3 joints were finished before" in said
+    status, printed, said = study(whole, "--json")
+    assert status == 0, said
     answer = json.loads(printed)
     assert answer.pop("seconds") > 0
     assert answer == json.loads((whole / "table2.json").read_bytes())
-    assert "only 3 of the paper's 80 joints, so no difference" in " ".join(shown.decode().split())
+    assert "only 3 of the paper's 80 joints, so no difference" in " ".join(shown.split())
     for name in ("joints/.", "."):
         leftovers = [path.name for path in (killed / name).iterdir() if path.name[0] == "."]
         assert not leftovers
@@ -350,18 +358,7 @@ def test_workers_end_when_their_parent_is_killed(tmp_path):
     process.kill()
     process.wait()
     process.stdout.close()
-    deadline = time.monotonic() + 20
-    while _runs(worker) and time.monotonic() < deadline:
-        time.sleep(0.02)
-    assert not _runs(worker)
-
-
-def _runs(pid):
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except (FileNotFoundError, ProcessLookupError):  # gone before or while it is read
-        return False
-    return state != "Z"
+    assert becomes(lambda: not runs(worker))
 
 
 def test_an_error_ends_joints_in_work_at_once():
@@ -370,15 +367,12 @@ def test_an_error_ends_joints_in_work_at_once():
     def interrupted():
         with spread.processes(1) as executor:
             workers.append(executor.submit(os.getpid).result())
-            executor.submit(time.sleep, 60)
+            executor.submit(time.sleep, 2 * PATIENCE)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         interrupted()
-    deadline = time.monotonic() + 30
-    while _runs(workers[0]) and time.monotonic() < deadline:
-        time.sleep(0.02)
-    assert not _runs(workers[0])
+    assert becomes(lambda: not runs(workers[0]))
 
 
 def test_processes_work_with_one_thread_each():

@@ -11,6 +11,7 @@ from pathlib import Path
 import can
 import numpy as np
 import pytest
+from waiting import PATIENCE
 
 from ccgen.can.codec import Decoded, status_of
 from ccgen.can.layout import FAULTS
@@ -129,11 +130,11 @@ def test_two_joints_on_one_bus_answer_every_interleaved_snapshot_bit_for_bit(pro
 def converse(bus: can.BusABC, answers: list[Answers], counts: list[np.ndarray]) -> int:
     """Send both joints' snapshots frame by frame in turn; returns frames that are nobody's."""
     sent = strangers = 0
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + 5 * PATIENCE
     while not all(finished(answer) for answer in answers) and time.monotonic() < deadline:
         if sent < SNAPSHOTS and all(in_flight(answer, sent) < IN_FLIGHT for answer in answers):
             for message in interleaved(answers, counts, sent):
-                bus.send(message, timeout=1.0)
+                bus.send(message, timeout=PATIENCE)
             sent += 1
             continue
         message = bus.recv(0.5)

@@ -107,7 +107,7 @@ def test_outliers_move_the_weights_far_less_than_in_least_squares(reference):
     assert np.abs(robust - clean).max() < 0.05 * np.abs(linear - clean).max()
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     seed=st.integers(0, 2**32 - 1),
     sensors=st.integers(1, 6),

@@ -104,9 +104,10 @@ def _client(address: str, timeout: float) -> Iterator[Any]:
 
     client: Any = Client.__new__(Client)  # untyped
     # What it would log about a lost scheduler, tracebacks included, is said in one line.
-    log = logging.getLogger("distributed.client")
-    level = log.level
-    log.setLevel(logging.CRITICAL)
+    logs = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
+    levels = [log.level for log in logs]
+    for log in logs:
+        log.setLevel(logging.CRITICAL)
     try:
         try:
             client.__init__(address, timeout=timeout, set_as_default=False)
@@ -118,7 +119,8 @@ def _client(address: str, timeout: float) -> Iterator[Any]:
         yield client
     finally:
         client.close()
-        log.setLevel(level)
+        for log, level in zip(logs, levels, strict=True):
+            log.setLevel(level)
 
 
 def _processors() -> int:

@@ -19,5 +19,6 @@ int main(int argc, char *argv[]) {
     (void)fcntl(can, F_SETFL, O_NONBLOCK);
     catch_signals();
     (void)port_node_init(&node);
+    (void)port_node_set_window(&node, 60000000u); /* a loaded machine may pause the sender */
     return (run(can, &node) < 0) ? EXIT_INTERFACE : EXIT_SUCCESS;
 }

@@ -14,7 +14,7 @@ from ccgen.can.transports import WINDOW_MS
 from ccgen.can.transports.slcan import BlockSlcanBus
 from ccgen.errors import ToolError
 
-_GRACE = 2.0
+_GRACE = 10.0
 """Seconds that a process has to end by itself once its line is closed."""
 
 

@@ -21,7 +21,7 @@ _START = 30.0
 _LONGEST_LINE = 1000
 """Bytes; the firmware's own lines are far shorter."""
 
-_GRACE = 5.0
+_GRACE = 30.0
 """Seconds until an emulator that has closed its line has ended."""
 
 
