@@ -1,10 +1,8 @@
 """Snapshots and answers: matched, timed out, counted; against a node written in Python."""
 
-import threading
-from dataclasses import replace
+from collections import deque
 from types import SimpleNamespace
 
-import can
 import cantools
 import numpy as np
 import pytest
@@ -16,7 +14,9 @@ from ccgen.export.dbc import dbc_text
 
 LAYOUT = FrameLayout("shoulder", 0x300, False, False, 3, 3, 4, 2, 2, 10, 17)
 PER_SNAPSHOT = LAYOUT.angles_frames + 1
-QUICK = Pace(timeout=0.4)
+CYCLE = LAYOUT.cycle_ms / 1000
+FRAME = 1e-4
+TIMEOUT = Pace().timeout
 
 
 def codec_for(layout):
@@ -34,36 +34,34 @@ def expected(counts):
 
 
 class PythonNode:
-    """Answers every complete snapshot; `spoil` may replace each outgoing list of frames."""
+    """A bus with a node on it that answers every complete snapshot, and the clock of both.
 
-    def __init__(self, channel, spoil=lambda sample, frames: frames):
-        self.codec, self.spoil = codec_for(LAYOUT), spoil
-        self.bus = can.Bus(interface="virtual", channel=channel)
-        self.stop = threading.Event()
+    Time passes with each frame that is received and while nobody has anything to say, so nothing
+    depends on the machine. `spoil` may replace each list of frames that answers a snapshot, and
+    the first status comes when it is due.
+    """
+
+    def __init__(self):
+        self.codec, self.spoil = codec_for(LAYOUT), lambda sample, frames: frames
+        self.now = self.status_due = 0.0
         self.samples = self.statuses = 0
-        self.parts = {}
-        self.thread = threading.Thread(target=self.serve)
+        self.parts, self.outgoing = {}, deque()
 
-    def __enter__(self):
-        self.thread.start()
-        return self
+    def perf_counter(self):
+        return self.now
 
-    def __exit__(self, *_):
-        self.stop.set()
-        self.thread.join(timeout=5)
-        assert not self.thread.is_alive()
-        self.bus.shutdown()
+    def send(self, message, timeout=None):
+        decoded = self.codec.decode(message)
+        self.parts.setdefault(decoded.counter, {})[decoded.index] = decoded.values
+        self.outgoing.extend(self.answer(decoded.counter))
 
-    def serve(self):
-        while not self.stop.is_set():
-            message = self.bus.recv(LAYOUT.cycle_ms / 1000)
-            decoded = self.codec.decode(message) if message is not None else None
-            frames = [] if message is not None else [self.status()]
-            if decoded is not None:
-                self.parts.setdefault(decoded.counter, {})[decoded.index] = decoded.values
-                frames = self.answer(decoded.counter)
-            for frame in frames:
-                self.bus.send(frame)
+    def recv(self, timeout):
+        if not self.outgoing and self.status_due <= self.now + timeout:
+            self.now = max(self.now, self.status_due)
+            self.status_due = self.now + CYCLE
+            self.outgoing.append(self.status())
+        self.now += FRAME if self.outgoing else max(timeout, FRAME)
+        return self.outgoing.popleft() if self.outgoing else None
 
     def status(self):
         self.statuses += 1
@@ -76,6 +74,7 @@ class PythonNode:
             return []
         del self.parts[counter]
         self.samples += 1
+        self.status_due = self.now + CYCLE
         angles = expected([c for k in sorted(parts) for c in parts[k]]).tolist()
         frames = [
             self.codec.encode_frame("angles", k, angles[3 * k : 3 * k + 3], counter)
@@ -91,18 +90,22 @@ def snapshots(number):
     return np.random.default_rng(1).integers(-1000, 1000, (number, 6))
 
 
-def run(channel, counts, spoil=lambda sample, frames: frames, pace=QUICK, on_answer=None):
-    with (
-        PythonNode(channel, spoil),
-        can.Bus(interface="virtual", channel=channel) as bus,
-    ):
-        return exchange(bus, codec_for(LAYOUT), counts, pace, on_answer)
+@pytest.fixture
+def node(monkeypatch):
+    node = PythonNode()
+    monkeypatch.setattr("ccgen.can.exchange.time", node)
+    return node
+
+
+def run(node, counts, spoil=None, pace=None, on_answer=None):
+    node.spoil = spoil or node.spoil
+    return exchange(node, codec_for(LAYOUT), counts, pace, on_answer)
 
 
 @pytest.mark.parametrize("in_flight", [1, 4, 14])
-def test_every_answer_finds_its_snapshot(request, in_flight):
+def test_every_answer_finds_its_snapshot(node, in_flight):
     counts = snapshots(60)
-    result = run(request.node.name, counts, pace=replace(QUICK, in_flight=in_flight))
+    result = run(node, counts, pace=Pace(in_flight=in_flight))
     np.testing.assert_array_equal(result.angles, expected(counts))
     np.testing.assert_array_equal(result.tips[:, 0], np.arange(1, 61))
     assert result.complete.all()
@@ -113,10 +116,10 @@ def test_every_answer_finds_its_snapshot(request, in_flight):
     assert result.rate_hz > 0
 
 
-def test_answers_are_told_as_they_come(request):
+def test_answers_are_told_as_they_come(node):
     told = []
     counts = snapshots(5)
-    run(request.node.name, counts, on_answer=told.append)
+    run(node, counts, on_answer=told.append)
     assert [(answer.index, list(answer.angles)) for answer in told] == list(
         enumerate(expected(counts).tolist())
     )
@@ -125,76 +128,81 @@ def test_answers_are_told_as_they_come(request):
     assert told[-1].status is not None
 
 
-def test_snapshots_leave_at_the_rate_asked_for(request):
-    result = run(request.node.name, snapshots(21), pace=replace(QUICK, rate_hz=100.0))
+def test_snapshots_leave_at_the_rate_asked_for(node):
+    result = run(node, snapshots(21), pace=Pace(rate_hz=100.0))
     assert result.complete.all()
-    assert result.seconds >= 0.2
+    assert 0.2 <= result.seconds < 0.21
 
 
 @pytest.mark.parametrize("victim", range(PER_SNAPSHOT))
-def test_one_lost_frame_is_one_lost_frame(request, victim):
+def test_one_lost_frame_is_one_lost_frame(node, victim):
     def spoil(sample, frames):
         return frames[:victim] + frames[victim + 1 :] if sample == 7 else frames
 
     counts = snapshots(20)
-    result = run(request.node.name, counts, spoil)
+    result = run(node, counts, spoil)
     assert result.lost_frames == 1
     assert np.flatnonzero(~result.complete).tolist() == [6]
     others = result.complete
     np.testing.assert_array_equal(result.angles[others], expected(counts)[others])
 
 
-def test_a_frame_lost_from_the_last_answer_is_counted(request):
-    result = run(request.node.name, snapshots(9), lambda s, f: f[1:] if s == 9 else f)
+def test_a_frame_lost_from_the_last_answer_is_counted(node):
+    result = run(node, snapshots(9), lambda s, f: f[1:] if s == 9 else f)
     assert (result.lost_frames, np.count_nonzero(~result.complete)) == (1, 1)
 
 
-def test_a_lost_status_is_counted_by_its_counter(request):
-    result = run(request.node.name, snapshots(20), lambda s, f: f[:-1] if s == 8 else f)
+def test_a_lost_status_is_counted_by_its_counter(node):
+    result = run(node, snapshots(20), lambda s, f: f[:-1] if s == 8 else f)
     assert (result.lost_frames, result.complete.all()) == (1, True)
 
 
-def test_a_corrupted_frame_is_counted_and_lost(request):
+def test_a_corrupted_frame_is_counted_and_lost(node):
     def spoil(sample, frames):
         if sample == 5:
             frames[1].data[4] ^= 0x10
         return frames
 
-    result = run(request.node.name, snapshots(10), spoil)
+    result = run(node, snapshots(10), spoil)
     assert (result.corrupted, result.lost_frames) == (1, 1)
 
 
-def test_a_repeated_frame_is_unexpected_but_nothing_is_lost(request):
-    result = run(request.node.name, snapshots(10), lambda s, f: [f[0], *f])
+def test_a_repeated_frame_is_unexpected_but_nothing_is_lost(node):
+    result = run(node, snapshots(10), lambda s, f: [f[0], *f])
     assert (result.unexpected, result.lost_frames) == (10, 0)
 
 
-def test_a_node_that_falls_silent_loses_all_the_rest_in_bounded_time(request):
-    result = run(request.node.name, snapshots(500), lambda s, f: f if s <= 50 else [])
+def test_a_node_that_falls_silent_loses_all_the_rest_in_bounded_time(node):
+    result = run(node, snapshots(500), lambda s, f: f if s <= 50 else [])
     assert np.count_nonzero(result.complete) == 50
     assert result.lost_frames >= 450 * PER_SNAPSHOT
+    assert node.now < 5 * TIMEOUT
 
 
-def test_a_node_that_leaves_out_a_frame_every_time_ends_in_bounded_time(request):
-    result = run(request.node.name, snapshots(500), lambda s, f: f if s <= 50 else f[1:])
+def test_a_node_that_leaves_out_a_frame_every_time_ends_in_bounded_time(node):
+    result = run(node, snapshots(500), lambda s, f: f if s <= 50 else f[1:])
     assert np.count_nonzero(result.complete) == 50
     assert result.lost_frames > 450
+    assert node.now < 5 * TIMEOUT
 
 
-def test_where_nobody_answers_every_frame_is_lost(request):
-    with can.Bus(interface="virtual", channel=request.node.name) as bus:
-        result = exchange(bus, codec_for(LAYOUT), snapshots(30), QUICK)
+def test_where_nobody_answers_every_frame_is_lost(node):
+    node.status_due, node.answer = np.inf, lambda counter: []
+    result = run(node, snapshots(30))
     assert result.lost_frames == 30 * PER_SNAPSHOT
     assert (result.complete.any(), result.rate_hz) == (False, 0.0)
+    assert node.now < 3 * TIMEOUT
 
 
-def test_one_stall_of_all_that_is_in_flight_does_not_end_the_exchange(request):
-    result = run(
-        request.node.name,
-        snapshots(60),
-        lambda s, f: [] if 10 < s <= 24 else f,
-        replace(QUICK, in_flight=14),
-    )
+def test_a_node_that_takes_its_time_to_start_still_has_to_report_the_last_snapshot(node):
+    node.status_due = 0.9 * TIMEOUT
+    result = run(node, snapshots(9), lambda s, f: f[:-1] if s == 9 else f)
+    assert (result.lost_frames, result.complete.all()) == (1, True)
+    assert result.statuses[-1].sample_counter == 9
+
+
+def test_one_stall_of_all_that_is_in_flight_does_not_end_the_exchange(node):
+    result = run(node, snapshots(60), lambda s, f: [] if 10 < s <= 24 else f, Pace(in_flight=14))
     assert result.lost_frames >= 14 * PER_SNAPSHOT
     assert result.complete[24:].all()
 

@@ -23,10 +23,12 @@ from ccgen.can.transports.slcan import BlockSlcanBus
 Integers = NDArray[np.int64]
 
 _FAILED_ROUNDS = 3
-"""After so many time-outs of all that is in flight, one after the other, the rest is given up."""
+"""After so many time-outs of all that is in flight, one after the other, the rest is given up.
 
-_LISTEN_SECONDS = 0.5
-"""What an idle node has, beyond five cycles, to send the status that is due every cycle."""
+A node that has never said anything is given up at the first."""
+
+_LISTEN_CYCLES = 5
+"""So many cycles, beyond the time-out, has an idle node to send the status due every cycle."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class Pace:
 
     rate_hz: float | None = None
     in_flight: int = 4
-    timeout: float = 2.0
+    timeout: float = 5.0
 
 
 @dataclass(frozen=True)
@@ -162,10 +164,10 @@ class _Run:
 
     def listen_for_status(self) -> None:
         """Learn from an idle node how many snapshots it has seen; none may come."""
-        patience = time.perf_counter() + min(self.pace.timeout, _LISTEN_SECONDS)
-        patience += 5e-3 * self.layout.cycle_ms
+        cycles = 1e-3 * self.layout.cycle_ms * _LISTEN_CYCLES
+        patience = time.perf_counter() + self.pace.timeout + cycles
         while self.first_sample is None and time.perf_counter() < patience and not self._gone():
-            self._receive(5e-3 * self.layout.cycle_ms)
+            self._receive(cycles)
             if self.statuses.seen:
                 self.first_sample = self.statuses.seen[-1].sample_counter
 
@@ -210,7 +212,8 @@ class _Run:
         )
 
     def _gone(self) -> bool:
-        return self.gone or self.failed > _FAILED_ROUNDS * self.pace.in_flight
+        rounds = _FAILED_ROUNDS if self.statuses.seen or self.answered else 0
+        return self.gone or self.failed > rounds * self.pace.in_flight
 
     def _refused(self) -> int:
         lines = self.bus.malformed_lines if isinstance(self.bus, BlockSlcanBus) else 0
