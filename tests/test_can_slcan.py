@@ -135,6 +135,16 @@ def test_a_full_line_ends_the_send_with_an_error(line):
         fill()
 
 
+def test_a_line_that_is_gone_ends_the_send_with_the_same_error():
+    far, near = os.openpty()
+    bus = BlockSlcanBus(os.ttyname(near))
+    os.close(far)
+    with pytest.raises(can.CanOperationError):
+        bus.send(can.Message(arbitration_id=1), timeout=0.5)
+    bus.shutdown()
+    os.close(near)
+
+
 def test_a_process_receives_and_answers(program):
     with process_node(program(ECHO)) as bus:
         for number in range(50):

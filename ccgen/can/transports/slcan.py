@@ -44,11 +44,22 @@ class BlockSlcanBus(slcanBus):
         self._holding = False
         super().__init__(channel, sleep_after_open=sleep_after_open, **kwargs)
 
+    def send(self, msg: can.Message, timeout: float | None = None) -> None:
+        """Send a frame.
+
+        Raises:
+            can.CanOperationError: the other end is gone, or did not take it in time.
+        """
+        try:
+            super().send(msg, timeout)
+        except OSError as error:  # python-can lets it pass where a new time-out is set
+            raise can.CanOperationError("Could not write to serial device") from error
+
     def send_all(self, messages: Sequence[can.Message], timeout: float | None = None) -> None:
         """Send several frames with one write, so that they arrive together.
 
         Raises:
-            can.CanOperationError: the other end did not take them in time.
+            can.CanOperationError: the other end is gone, or did not take them in time.
         """
         self._holding = True
         try:
