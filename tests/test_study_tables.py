@@ -153,6 +153,16 @@ def test_report_needs_no_other_file_and_names_what_matters(folder):
         assert text in html
 
 
+def test_no_table_of_the_report_has_an_empty_column(folder):
+    html = (folder / "report.html").read_text()
+    tables = re.findall(r"<table>.*?</table>", html, re.DOTALL)
+    assert len(tables) == 8
+    for table in tables:
+        rows = list(ElementTree.fromstring(table).iter("tr"))
+        columns = list(zip(*([cell.text for cell in row] for row in rows), strict=True))
+        assert all(any(column[1:]) for column in columns)
+
+
 def test_case_study_is_the_papers():
     joint = case_study_joint()
     assert joint.geometry.segments == 12
