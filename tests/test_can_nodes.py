@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from joint_files import joint_text
 from waiting import PATIENCE
 
 from ccgen.can import sensors
@@ -28,31 +29,22 @@ from ccgen.kinematics import tip_pose
 from ccgen.verify.build import build_process, build_shared
 from ccgen.verify.exported import Exported, open_exported
 
-JOINT = """
-name = "finger"
-[geometry]
-segments = 5
-length = 0.1
-range_of_motion = 4.0
-[sensors]
-placement = "heuristic"
-count = 2
-radius = 0.01
-[sensors.transducer]
-bits = {bits}
-metres_per_count = {step}
-[fixed_point]
-precision = {precision}
-[can]
-base_id = {base_id}
-extended = {extended}
-fd = {fd}
-"""
 STALE = 1 << FAULTS.index("STALE")
+CAN = "[can]\nbase_id = {base_id}\nextended = {extended}\nfd = {fd}\n"
 VARIANTS = {
-    "classic": {"bits": 16, "step": 1e-6, "precision": 16, "fd": "false", "extended": "false"},
-    "fd 24-bit": {"bits": 24, "step": 1e-9, "precision": 32, "fd": "true", "extended": "true"},
+    "classic": (
+        {"step": 1e-6, "precision": 16},
+        CAN.format(base_id="0x123", extended="false", fd="false"),
+    ),
+    "fd 24-bit": (
+        {"bits": 24, "step": 1e-9, "precision": 32},
+        CAN.format(base_id="0x18FF0000", extended="true", fd="true"),
+    ),
 }
+FINGER = {
+    "name": "finger", "segments": 5, "count": 2, "length": 0.1, "range_of_motion": 4.0,
+    "radius": 0.01,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -70,9 +62,9 @@ class Built:
 @pytest.fixture(scope="module", params=VARIANTS)
 def built(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("node")
-    base_id = "0x18FF0000" if VARIANTS[request.param]["extended"] == "true" else "0x123"
+    numbers, can = VARIANTS[request.param]
     joint = folder / "finger.toml"
-    joint.write_text(JOINT.format(base_id=base_id, **VARIANTS[request.param]), encoding="utf-8")
+    joint.write_text(joint_text(**FINGER, **numbers, tables=can), encoding="utf-8")
     export(joint, folder / "finger")
     exported = open_exported(folder / "finger")
     return Built(

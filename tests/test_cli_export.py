@@ -1,33 +1,16 @@
 import json
 
 import pytest
+from joint_files import joint_text
 from typer.testing import CliRunner
 
 from ccgen.cli.main import app
 from ccgen.digits import at_least
 
-JOINT = """
-name = "trunk"
-[geometry]
-segments = 48
-length = 0.24
-range_of_motion = 3.0
-[sensors]
-placement = "heuristic"
-count = 6
-radius = 0.05
-[sensors.transducer]
-bits = 24
-metres_per_count = 1e-6
-[fixed_point]
-precision = 32
-[can]
-{can}
-"""
-
 
 def run(folder, can, *options):
-    (folder / "trunk.toml").write_text(JOINT.format(can=can))
+    text = joint_text("trunk", 48, 6, precision=32, bits=24, step=1e-6, tables=f"[can]\n{can}")
+    (folder / "trunk.toml").write_text(text)
     command = ["export", str(folder / "trunk.toml"), "-o", str(folder / "out"), *options]
     result = CliRunner().invoke(app, command)
     assert result.exit_code == 0, result.stderr

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from joint_files import joint_text
 
 from ccgen.errors import InputError
 from ccgen.estimation import (
@@ -24,26 +25,6 @@ from ccgen.shapes import fit_library, score_library, shape_library
 
 SEGMENTS = 12
 ROM = np.radians(3.0)
-JOINT = """
-name = "shoulder"
-[geometry]
-segments = 12
-length = 0.24
-range_of_motion = 3.0
-[sensors]
-placement = "heuristic"
-count = 3
-radius = 0.05
-[sensors.transducer]
-bits = 16
-metres_per_count = 2.0e-6
-noise = 2.0e-5
-[estimator]
-method = "{method}"
-[can]
-base_id = 0x300
-"""
-SILENT = JOINT.replace("noise = 2.0e-5\n", "")
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +37,9 @@ def score():
     return shape_library(SEGMENTS, ROM, 10)
 
 
-def joint(method="wam", text=JOINT):
-    return parse_joint(text.format(method=method), "shoulder.toml")
+def joint(method="wam", noise="noise = 2.0e-5"):
+    text = joint_text(transducer=noise, tables=f'[estimator]\nmethod = "{method}"')
+    return parse_joint(text, "shoulder.toml")
 
 
 @st.composite
@@ -206,7 +188,7 @@ def test_reading_noise_is_the_transducers_over_span_and_radius():
     # Heuristic overlap of 3 on 12 covers 5, 6 and 5 segments.
     expected = 2e-5 / (0.05 * np.array([5, 6, 5]))
     np.testing.assert_allclose(reading_noise(joint(), "u"), expected, rtol=1e-14)
-    assert reading_noise(joint(text=SILENT), "v") is None
+    assert reading_noise(joint(noise=""), "v") is None
 
 
 @pytest.mark.parametrize("method", ["equal", "wam", "noise-aware"])
@@ -235,7 +217,7 @@ def test_fit_joint_names_file_key_and_axis():
     with pytest.raises(InputError, match=r"^shoulder\.toml: estimator\.method: axis u: segment 3"):
         fit_joint(joint(), "direct")
     with pytest.raises(InputError, match=r"state sensors\.transducer\.noise .* or use \"wam\""):
-        fit_joint(joint(text=SILENT), "noise-aware")
+        fit_joint(joint(noise=""), "noise-aware")
 
 
 def test_an_unknown_method_is_refused_with_the_known_ones(fit):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from joint_files import joint_text
 from waiting import PATIENCE
 
 from ccgen.errors import InputError
@@ -19,22 +20,6 @@ from ccgen.export.package import export
 from ccgen.fixedpoint import load_model
 from ccgen.verify.build import WARNINGS
 
-JOINT = """
-name = "{name}"
-[geometry]
-segments = {segments}
-length = 0.24
-range_of_motion = 3.0
-[sensors]
-placement = "heuristic"
-count = {count}
-radius = 0.05
-[sensors.transducer]
-bits = {bits}
-metres_per_count = {step}
-[fixed_point]
-precision = {precision}
-"""
 SMALL = {
     "name": "finger", "segments": 5, "count": 2, "bits": 16, "step": 2e-6, "precision": 16,
 }  # fmt: skip
@@ -52,7 +37,7 @@ COMPILERS = {
 
 def write_joint(folder: Path, options: dict, extra: str = "") -> Path:
     path = folder / f"{options['name']}.toml"
-    path.write_text(JOINT.format(**options) + extra)
+    path.write_text(joint_text(**options, tables=extra))
     return path
 
 

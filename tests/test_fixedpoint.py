@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from joint_files import joint_text
 
 from ccgen.errors import FormatError, InputError
 from ccgen.estimation import fit_joint
@@ -17,31 +18,11 @@ from ccgen.fixedpoint.ranges import count_gains
 from ccgen.joint import AXES, parse_joint
 from ccgen.shapes import fit_library
 
-TEMPLATE = """
-name = "shoulder"
-[geometry]
-segments = {segments}
-length = 0.24
-range_of_motion = 3.0
-[sensors]
-placement = "heuristic"
-count = {count}
-radius = 0.05
-[sensors.transducer]
-bits = {bits}
-metres_per_count = {step}
-{extra}
-[estimator]
-method = "{method}"
-[fixed_point]
-precision = {precision}
-"""
-
 
 def joint_of(segments=12, count=3, precision=16, step=2.0e-6, method="wam", extra="", bits=None):
-    text = TEMPLATE.format(
-        segments=segments, count=count, precision=precision, step=step, method=method,
-        extra=extra, bits=bits or precision,
+    text = joint_text(
+        segments=segments, count=count, precision=precision, step=step, transducer=extra,
+        bits=bits, tables=f'[estimator]\nmethod = "{method}"',
     )  # fmt: skip
     return parse_joint(text, "shoulder.toml")
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from joint_files import joint_text
 from processes import children
 from typer.testing import CliRunner
 from waiting import PATIENCE
@@ -26,33 +27,13 @@ from ccgen.verify.targets.batch import Printed, run_batch
 from ccgen.verify.targets.cross import CORES, Tool, build
 from ccgen.verify.targets.emulator import run_to_end
 
-JOINT = """
-name = "{name}"
-[geometry]
-segments = {segments}
-length = 0.2
-range_of_motion = 2.0
-[sensors]
-placement = "heuristic"
-count = {count}
-radius = 0.05
-[sensors.v]
-count = {count_v}
-[sensors.transducer]
-bits = {bits}
-metres_per_count = {step}
-[shapes]
-cases = ["constant-curvature"]
-[fixed_point]
-precision = {precision}
-"""
+CASES = '[shapes]\ncases = ["constant-curvature"]'
 SMALL = {
-    "name": "wrist", "segments": 3, "count": 2, "count_v": 2,
-    "bits": 16, "step": 2e-6, "precision": 16,
+    "name": "wrist", "segments": 3, "count": 2, "step": 2e-6, "precision": 16,
 }  # fmt: skip
 LARGEST = {
-    "name": "snake", "segments": 64, "count": 8, "count_v": 7,
-    "bits": 28, "step": 1e-8, "precision": 32,
+    "name": "snake", "segments": 64, "count": 8, "bits": 28, "step": 1e-8, "precision": 32,
+    "transducer": "[sensors.v]\ncount = 7",
 }  # fmt: skip
 BOARDS = ("cortex-m0", "cortex-m3", "riscv32", "avr")
 FAULTS = {
@@ -68,7 +49,7 @@ def joints(tmp_path_factory):
     root = tmp_path_factory.mktemp("emulator")
     for options in (SMALL, LARGEST):
         file = root / f"{options['name']}.toml"
-        file.write_text(JOINT.format(**options))
+        file.write_text(joint_text(**options, length=0.2, range_of_motion=2.0, tables=CASES))
         export(file, root / options["name"])
     return root
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from joint_files import joint_text
 from typer.testing import CliRunner
 
 from ccgen.cli.main import app
@@ -19,26 +20,11 @@ from ccgen.verify.plan import Plan, silent
 from ccgen.verify.targets import TARGETS, verify_target
 from ccgen.verify.targets.batch import compare_batch, run_batch
 
-JOINT = """
-name = "{name}"
-[geometry]
-segments = 6
-length = 0.12
-range_of_motion = 4.0
-[sensors]
-placement = "heuristic"
-count = 3
-radius = 0.05
-[sensors.v]
-count = 2
-[sensors.transducer]
-bits = {bits}
-metres_per_count = {step}
-[fixed_point]
-precision = {precision}
-"""
-FINGER = JOINT.format(name="finger", bits=16, step=2e-6, precision=16)
-FINE = JOINT.format(name="fine", bits=28, step=1e-8, precision=32)
+BENT = {
+    "segments": 6, "length": 0.12, "range_of_motion": 4.0, "transducer": "[sensors.v]\ncount = 2",
+}  # fmt: skip
+FINGER = joint_text("finger", **BENT)
+FINE = joint_text("fine", precision=32, bits=28, step=1e-8, **BENT)
 CORTEX_M = tuple(target for target in TARGETS if target.startswith("cortex-m"))
 SMALL = Plan(values=8_000)
 
