@@ -5,9 +5,8 @@ from itertools import pairwise
 from pathlib import Path
 
 from ccgen.cost.instructions import Times
-from ccgen.cost.link import run
 from ccgen.errors import ToolError
-from ccgen.verify.build import compiler
+from ccgen.verify.build import compiler, run_compiler
 
 MCU, HERTZ = "atmega1284p", 16_000_000
 
@@ -61,7 +60,8 @@ def cycles(program: Path, folder: Path) -> Times:
     """
     source, emulator = folder / "cycles.c", folder / "cycles"
     source.write_text(EMULATOR, encoding="utf-8")
-    run([*compiler(), "-O2", str(source), "-lsimavr", "-o", str(emulator)])
+    command = [*compiler(), "-O2", str(source), "-lsimavr", "-o", str(emulator)]
+    run_compiler(command, folder, command[0])
     command = [str(emulator), MCU, str(HERTZ), str(program)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
     words = (line.split() for line in done.stdout.splitlines() if line.startswith("note "))

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from ccgen.cost import harness
 from ccgen.cost.cores import HOST, binutils
-from ccgen.cost.link import link, run
+from ccgen.cost.link import link
 from ccgen.cost.size import HARNESS
-from ccgen.verify.build import LEVEL, sources
+from ccgen.verify.build import LEVEL, run_compiler, sources
 from ccgen.verify.exported import Exported
 from ccgen.verify.targets.cross import Core
 
@@ -65,7 +65,8 @@ def build(exported: Exported, core: Core, folder: Path, level: str = LEVEL) -> B
     for file in (*sources(exported.directory), main):
         prefix = "ccgen_" if file.parent.name == "ccgen" else ""
         objects.append(folder / f"{prefix}{file.stem}.o")
-        run([*compiler, "-c", str(file), "-o", str(objects[-1])])
+        command = [*compiler, "-c", str(file), "-o", str(objects[-1])]
+        run_compiler(command, folder, f"{exported.directory}: {compiler[0]}")
     roots = [
         *(f"{joint}_{call}" for call in (*CALLS, "init", "capture_zero", "node_init")),
         *(f"cost_{variable}" for variable in _VARIABLES),
@@ -74,7 +75,8 @@ def build(exported: Exported, core: Core, folder: Path, level: str = LEVEL) -> B
     if core.name == "avr":
         kept = [f"-Wl,--undefined={root}" for root in roots]
         mapped = f"-Wl,--gc-sections,-Map={program.with_suffix('.map')}"
-        run([*compiler, *map(str, objects), *kept, mapped, "-o", str(program)])
+        command = [*compiler, *map(str, objects), *kept, mapped, "-o", str(program)]
+        run_compiler(command, folder, f"{exported.directory}: {compiler[0]}")
     else:
         extra = core.link if core.name == HOST else ()
         link([*compiler, *extra], objects, roots, program)

@@ -1,11 +1,10 @@
 """Links a program for the emulator: tables and code from 64 KB on, variables at its RAM."""
 
-import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
 from ccgen.cost.emulator import RAM
-from ccgen.errors import ToolError
+from ccgen.verify.build import run_compiler
 
 SCRIPT = f"""\
 SECTIONS
@@ -39,18 +38,5 @@ def link(
     linker = ["-nostartfiles", f"-T{script}", f"-Wl,-Map={target.with_suffix('.map')}"]
     linker += ["-Wl,--gc-sections", *(f"-Wl,--undefined={root}" for root in roots)]
     command = [*compiler, *map(str, files), *linker, "-o", str(target)]
-    run(command)
+    run_compiler(command, target.parent, command[0])
     return target
-
-
-def run(command: Sequence[str]) -> None:
-    """Run a compiler.
-
-    Raises:
-        ToolError: it fails; with its first message.
-    """
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        lines = done.stderr.strip().splitlines()
-        telling = next((line for line in lines if "error" in line), lines[-1] if lines else "")
-        raise ToolError(f"{command[0]}: {telling}")
