@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 from benchmarks.estimator_instructions import BUDGETS, JOINTS, exported, instructions
-from test_runtime_estimator import CASES, Case, functions_of, readings
+from test_runtime_estimator import CASES, Case, function, functions_of, readings, tables
 
 from ccgen import resources
 from ccgen.cost.emulator import CORES, Program
@@ -49,6 +49,38 @@ def test_angles_equal_the_reference_model_on_every_core(source, core, level, tmp
             angles = np.frombuffer(program.read("angles", size), kind)
             expected = model.estimate(counts, zero)
             np.testing.assert_array_equal(angles.reshape(expected.shape), expected, case.name)
+
+
+def with_shift_at_run_time(case: Case) -> str:
+    """The case as exported where it shares its code with an axis of another shift."""
+    name, shift = case.name, case.model.shift
+    *constants, axis = tables(case).splitlines(keepends=True)
+    known = f"{{{case.model.segments}, {case.model.sensors}, {shift},"
+    assert known in axis
+    late = axis.replace(known, known.replace(f" {shift},", f" {name}_shift,"))
+    start = "    int result = 0;\n"
+    body = function(case).replace(start, f"    {late.removeprefix('static ')}{start}")
+    return f"{''.join(constants)}static const volatile uint8_t {name}_shift = {shift};\n{body}"
+
+
+@pytest.mark.parametrize("level", ["-O0", "-Os", "-O2"])
+def test_a_shift_that_is_read_at_run_time_gives_the_same_bits_on_cortex_m0(level, tmp_path):
+    ramps = [ramp(16, sign, shift) for sign in (1, -1) for shift in (0, 7)]
+    some = [*(case for case in CASES if case.model.precision == 16), *ramps]
+    source = tmp_path / "late.c"
+    include = '#include "ccgen/estimator16.h"\n'
+    source.write_text(include + "".join(map(with_shift_at_run_time, some)) + BUFFERS)
+    program = build(source, "cortex-m0", level, tmp_path, [case.name for case in some])
+    for case in some[::4] if level == "-O0" else some:
+        model = case.model
+        counts = np.arange(-5, 6)[:, None] if case in ramps else readings(model, 20)
+        program.write("zero", model.zero.astype("<i2").tobytes())
+        program.write("counts", counts.astype("<i2").tobytes())
+        arguments = ("zero", "counts", len(counts), "angles")
+        assert program.call(case.name, arguments, counted=False).result == 0
+        expected = model.estimate(counts, model.zero)
+        angles = np.frombuffer(program.read("angles", 2 * expected.size), "<i2")
+        np.testing.assert_array_equal(angles.reshape(expected.shape), expected, case.name)
 
 
 def build(source, core, level, folder, names):

@@ -57,7 +57,39 @@ def model_context(
     axes = {a: _axis_context(joint, model.axis(a), weights[a], library) for a in AXES}
     shared = all(axes["u"][key] == axes["v"][key] for key in _EVALUATED)
     axes["v"]["tables"] = "u" if shared else "v"
-    return {"axes": axes}
+    return {"axes": axes, "kernels": _kernels(axes, joint)}
+
+
+def _kernels(axes: dict[str, dict[str, Any]], joint: Joint) -> list[dict[str, Any]]:
+    """The functions that evaluate an axis: one for both where they differ in numbers alone.
+
+    Each lists its model's fields in their order: what its axes agree on as a constant, which
+    decides the code, the rest as a field of the model that the function is called with.
+    """
+    same_code = all(bool(axes["u"][key]) == bool(axes["v"][key]) for key in ("saturates", "biases"))
+    together = same_code and axes["u"]["sensors"] == axes["v"]["sensors"]
+    groups = [AXES] if together else [(axis,) for axis in AXES]
+    kernels = []
+    for group in groups:
+        members = [axes[axis] for axis in group]
+        function = "evaluate" if together else f"evaluate_{group[0]}"
+        for member in members:
+            member["function"] = function
+        kernels.append({"function": function, "fields": _fields(members, joint)})
+    return kernels
+
+
+def _fields(members: list[dict[str, Any]], joint: Joint) -> list[str]:
+    def field(key: str) -> str:
+        values = {str(member[key]).lower() for member in members}
+        return values.pop() if len(values) == 1 else f"model->{key}"
+
+    flags = ("saturates", "narrow") if joint.precision == 16 else ("saturates",)
+    known = [field(key) for key in ("sensors", "shift", "fraction_bits", *flags)]
+    tables = [f"model->{key}" for key in ("minimum", "maximum", "zero", "bias")]
+    biases = "model->biases" if members[0]["biases"] else "NULL"
+    weights = "model->rows" if joint.precision == 16 else "model->weights"
+    return [str(joint.geometry.segments), *known, *tables, biases, weights]
 
 
 def can_context(layout: FrameLayout, joint: Joint) -> dict[str, Any]:

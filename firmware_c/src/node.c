@@ -13,13 +13,23 @@ typedef struct {
 } angles_t;
 
 int ccgen_node_init(const ccgen_layout_t *const layout, ccgen_node_t *const node) {
-    const ccgen_node_t empty = CCGEN_ZERO;
-    if ((node == NULL) || !ccgen_layout_valid(layout)) {
+    if ((node == NULL) || (ccgen_snapshot_init(layout, &node->snapshot) != CCGEN_OK)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    *node = empty;
+    node->estimates = 0;
+    node->failures = 0;
+    node->overruns = 0;
+    node->missing = 0;
+    node->status_us = 0;
+    node->status_wait_us = 0;
     node->next = (uint16_t)(ccgen_layout_status_index(layout) + 1u);
-    return ccgen_snapshot_init(layout, &node->snapshot);
+    for (uint8_t i = 0; i < 3u; ++i) {
+        node->tip[i] = 0;
+    }
+    node->published = 0;
+    node->status_counter = 0;
+    node->estimated = false;
+    return CCGEN_OK;
 }
 
 int ccgen_node_receive(const ccgen_layout_t *const layout, ccgen_node_t *const node,

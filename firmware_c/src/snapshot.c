@@ -12,10 +12,29 @@ int ccgen_snapshot_init(const ccgen_layout_t *const layout, ccgen_snapshot_t *co
     if ((snapshot == NULL) || !ccgen_layout_valid(layout)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    const ccgen_snapshot_t empty = CCGEN_ZERO;
-    *snapshot = empty;
+    /* Field by field: a state that is assigned whole is first built on the stack. */
+    for (uint8_t i = 0; i < CCGEN_COUNTS_MAX; ++i) {
+        snapshot->counts[i] = 0;
+        snapshot->pending[i] = 0;
+    }
+    snapshot->snapshots = 0;
+    snapshot->corrupted = 0;
+    snapshot->malformed = 0;
+    snapshot->repeated = 0;
+    snapshot->reordered = 0;
+    snapshot->lost = 0;
+    snapshot->late = 0;
+    snapshot->counter = 0;
     snapshot->window_us = layout->window_us;
+    snapshot->first_us = 0;
+    snapshot->heard_us = 0;
+    snapshot->complete_us = 0;
+    snapshot->received = 0;
+    snapshot->newest = 0;
+    snapshot->faults = 0;
     snapshot->phase = CCGEN_SNAPSHOT_NONE;
+    snapshot->started = false;
+    snapshot->stale = false;
     snapshot->aged = true;
     return CCGEN_OK;
 }

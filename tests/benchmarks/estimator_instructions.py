@@ -1,19 +1,22 @@
-"""Instructions per segment and axis of NAME_estimate on Cortex-M, beside their budgets.
+"""Instructions per segment and axis of NAME_estimate on Cortex-M, its code and stack.
 
 Counts whole calls exported at -O2, both axes with all checks, exactly, in an emulated core; the
-most over shapes, corners of the ranges and drawn readings. Needs arm-none-eabi-gcc, unicorn and
-pyelftools:
+most over shapes, corners of the ranges and drawn readings. Code is all of NAME.c's, used or not;
+stack is that of NAME_estimate. Axes are alike, or with sensors at another radius. Needs
+arm-none-eabi-gcc, unicorn and pyelftools:
 
     python tests/benchmarks/estimator_instructions.py
 """
 
+import subprocess
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 from ccgen.cost.build import build
 from ccgen.cost.emulator import CORES, Program
 from ccgen.cost.instructions import count_estimates
-from ccgen.cost.size import read_map
+from ccgen.cost.stack import read_disassembly, read_frames, worst_case
 from ccgen.export.package import export
 from ccgen.verify.exported import Exported, open_exported
 from ccgen.verify.targets import cross
@@ -47,6 +50,8 @@ range_of_motion = 3.0
 placement = "heuristic"
 count = {sensors}
 radius = 0.05
+[sensors.v]
+radius = {radius}
 [sensors.transducer]
 bits = {bits}
 metres_per_count = {step}
@@ -55,10 +60,24 @@ precision = {precision}
 """
 
 
-def exported(segments: int, sensors: int, precision: int, folder: Path) -> Exported:
-    """A joint with weights that are fitted, and that saturate beyond its shapes."""
+@dataclass(frozen=True)
+class Footprint:
+    """Bytes of code and of stack that an estimator takes."""
+
+    code: int
+    stack: int
+
+
+def exported(
+    segments: int, sensors: int, precision: int, folder: Path, radius: float = 0.05
+) -> Exported:
+    """A joint with weights that are fitted, and that saturate beyond its shapes.
+
+    Args:
+        radius: of the sensors of axis v; those of u are at 0.05 m.
+    """
     bits, step = (16, 5e-6) if precision == 16 else (30, 1e-8)
-    values = {"segments": segments, "sensors": sensors, "precision": precision}
+    values = {"segments": segments, "sensors": sensors, "precision": precision, "radius": radius}
     path = folder / "arm.toml"
     path.write_text(JOINT.format(**values, bits=bits, step=step))
     export(path, folder / "arm")
@@ -73,27 +92,35 @@ def instructions(folder: Exported, core: str) -> float:
     return counted / (2 * folder.joint.geometry.segments)
 
 
-def code_bytes(folder: Exported, core: str) -> int:
-    """Of the estimator's own code."""
+def footprint(folder: Exported, core: str) -> Footprint:
+    """Of the estimator, constants apart."""
+    name = folder.joint.name
     with tempfile.TemporaryDirectory() as place:
         built = build(folder, cross.core_named(core), Path(place))
-        return read_map(built.map, folder.joint.name)["estimator"].code
+        command = ["arm-none-eabi-size", "-A", str(Path(place) / f"{name}.o")]
+        listing = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        sections = (line.split() for line in listing.splitlines() if line.startswith(".text"))
+        functions, frames = read_disassembly(built.disassembly), read_frames(Path(place))
+        stack, _ = worst_case(f"{name}_estimate", functions, frames)
+        return Footprint(code=sum(int(words[1]) for words in sections), stack=stack)
 
 
 def main() -> None:
     """Print the table."""
-    print("instructions per segment and axis of a whole estimate")
-    print(f"{'segments':>8}{'sensors':>9}{'bits':>6}  {'core':<10}{'counted':>8}{'budget':>8}"
-          f"{'CMSIS-DSP':>11}{'code bytes':>12}")  # fmt: skip
+    print("instructions per segment and axis of a whole estimate, bytes of code and stack")
+    print(f"{'segments':>8}{'sensors':>9}{'bits':>6}  {'axes':<11}{'core':<10}{'counted':>8}"
+          f"{'budget':>8}{'CMSIS-DSP':>11}{'code':>7}{'stack':>7}")  # fmt: skip
     for segments, sensors, precision in JOINTS:
-        with tempfile.TemporaryDirectory() as place:
-            folder = exported(segments, sensors, precision, Path(place))
-            for core in ("cortex-m0", "cortex-m3", "cortex-m4", "cortex-m7"):
-                key = (core, segments, sensors, precision)
-                budget, other = BUDGETS.get(key, ""), CMSIS.get(key, "")
-                print(f"{segments:8}{sensors:9}{precision:6}  {core:<10}"
-                      f"{instructions(folder, core):8.2f}{budget:>8}{other:>11}"
-                      f"{code_bytes(folder, core):12}")  # fmt: skip
+        for axes, radius in (("alike", 0.05), ("different", 0.04)):
+            with tempfile.TemporaryDirectory() as place:
+                folder = exported(segments, sensors, precision, Path(place), radius)
+                for core in ("cortex-m0", "cortex-m3", "cortex-m4", "cortex-m7"):
+                    key = (core, segments, sensors, precision)
+                    budget, other = BUDGETS.get(key, ""), CMSIS.get(key, "")
+                    bytes_of = footprint(folder, core)
+                    print(f"{segments:8}{sensors:9}{precision:6}  {axes:<11}{core:<10}"
+                          f"{instructions(folder, core):8.2f}{budget:>8}{other:>11}"
+                          f"{bytes_of.code:7}{bytes_of.stack:7}")  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -29,6 +29,39 @@
 #define CCGEN_INLINE static inline
 #endif
 
+/** Whether the core has the small instruction set of Cortex-M0, M0+, M1 and M23. */
+#if defined(__thumb__) && !defined(__thumb2__)
+#define CCGEN_THUMB1 1
+#else
+#define CCGEN_THUMB1 0
+#endif
+
+/** Whether flash is short where such cores are used: Thumb-1, and ints of 16 bits (AVR). */
+#if CCGEN_THUMB1 || (UINT_MAX < 0xFFFFFFFFu)
+#define CCGEN_SMALL 1
+#else
+#define CCGEN_SMALL 0
+#endif
+
+/** A function that is never inlined: it exists once, and its frame is not its caller's too. */
+#if defined(__GNUC__)
+#define CCGEN_ONCE static __attribute__((noinline))
+#else
+#define CCGEN_ONCE static
+#endif
+
+/**
+ * A function for models that differ: where flash is short one for all of them, which reads what it
+ * is called with; elsewhere specialised for each.
+ */
+#if !CCGEN_SMALL
+#define CCGEN_SHARED CCGEN_INLINE
+#elif defined(__GNUC__) && !defined(__clang__)
+#define CCGEN_SHARED static __attribute__((noinline, noclone))
+#else
+#define CCGEN_SHARED CCGEN_ONCE
+#endif
+
 /** Initialises every field of a structure with zero, without a warning in either language. */
 #if defined(__cplusplus)
 #define CCGEN_ZERO \

@@ -36,11 +36,16 @@ extern "C" {
  */
 CCGEN_INLINE void ccgen_axis16_evaluate(const ccgen_axis16_t *const axis, const int16_t *const zero,
                                         const int16_t *const counts, int16_t *const angles) {
-    if (ccgen_fits_halves16(axis, zero, counts)) {
+    const bool narrow = ccgen_fits_halves16(axis, zero, counts);
+#if CCGEN_SMALL
+    ccgen_evaluate16(axis, zero, counts, narrow, angles);
+#else
+    if (narrow) {
         ccgen_evaluate16(axis, zero, counts, true, angles);
     } else {
         ccgen_evaluate16(axis, zero, counts, false, angles);
     }
+#endif
 }
 
 /**

@@ -4,121 +4,22 @@
  *
  * All arithmetic is modulo 2^32: sums that the exporter's proof covers are exact, and no input
  * overflows a signed type. Same bits on every core.
- *
- * A sum begins with ccgen_start16() and becomes an angle in ccgen_store16(); what the first adds
- * the second takes away, so that saturating to the symmetric range -32767 to 32767 costs least:
- * - SMLAD cores: the sum is one step low, SSAT clips to 16 bits, QADD16 adds the step;
- * - other cores with SSAT: nothing is added;
- * - elsewhere: the sum is 32767 steps high, and one unsigned comparison finds both ends. The sum's
- *   magnitude is below 2^31 and 32768 steps are at most 2^31, so that sums below the range wrap to
- *   numbers above it and never into it.
  */
 #ifndef CCGEN_KERNEL16_H
 #define CCGEN_KERNEL16_H
 
-#include "ccgen/axis16.h"
+#include "ccgen/factors16.h"
 #include "ccgen/integer.h"
 #include "ccgen/kernel16_thumb1.h"
 #include "ccgen/load.h"
 
-#if defined(__ARM_FEATURE_SIMD32) || defined(__ARM_FEATURE_SAT)
+#if defined(__ARM_FEATURE_SIMD32) || CCGEN_HAS_SSAT
 #include <arm_acle.h>
 #endif
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/** Largest angle; saturation clips to plus and minus this, the value below means "no reading". */
-#define CCGEN_ANGLE16_LIMIT 32767
-
-/** Most pairs of sensors on one axis. */
-#define CCGEN_PAIRS_MAX (CCGEN_AXIS_SENSORS_MAX / 2)
-
-/** What one snapshot contributes to every segment. */
-typedef struct {
-    uint32_t start;                     /**< what every sum begins with */
-    uint32_t pair[2 * CCGEN_PAIRS_MAX]; /**< two factors of every pair of sensors */
-    const int16_t *end;                 /**< of the angles */
-    bool narrow;                        /**< every difference fits 16 bits */
-} ccgen_factors16_t;
-
-/** \return words of one segment's row. */
-CCGEN_INLINE uint8_t ccgen_words16(const ccgen_axis16_t *const axis) {
-    return (uint8_t)((axis->sensors + 1u) / 2u);
-}
-
-/** \return value of one sensor, 0 where the axis has no such sensor. */
-CCGEN_INLINE int32_t ccgen_value16(const ccgen_axis16_t *const axis, const int16_t *const values,
-                                   const uint8_t sensor) {
-    return (sensor < axis->sensors) ? values[sensor] : 0;
-}
-
-/** \return what every sum begins with. */
-CCGEN_INLINE uint32_t ccgen_start16(const ccgen_axis16_t *const axis) {
-    const uint32_t bias = (uint32_t)axis->bias;
-    if (!axis->saturates) {
-        return bias;
-    }
-#if defined(__ARM_FEATURE_SIMD32)
-    return bias - ((uint32_t)1 << axis->shift);
-#elif defined(__ARM_FEATURE_SAT)
-    return bias;
-#else
-    return bias + ((uint32_t)CCGEN_ANGLE16_LIMIT << axis->shift);
-#endif
-}
-
-/** Finds the factors of sensors 2k and 2k + 1. */
-CCGEN_INLINE void ccgen_prepare16(const ccgen_axis16_t *const axis, const int16_t *const zero,
-                                  const int16_t *const counts, const uint8_t k,
-                                  ccgen_factors16_t *const factors) {
-    const uint8_t a = (uint8_t)(2u * k);
-    const uint8_t b = (uint8_t)(2u * k + 1u);
-    const uint32_t count_a = (uint32_t)ccgen_value16(axis, counts, a);
-    const uint32_t count_b = (uint32_t)ccgen_value16(axis, counts, b);
-    const uint32_t zero_a = (uint32_t)ccgen_value16(axis, zero, a);
-    const uint32_t zero_b = (uint32_t)ccgen_value16(axis, zero, b);
-#if CCGEN_HALVES
-    if (factors->narrow) {
-        factors->pair[2u * k] = ((count_a - zero_a) & 0xFFFFu) | ((count_b - zero_b) << 16);
-    } else {
-        /* A difference has 17 bits, a count and a negated zero have 16 each. */
-        factors->pair[2u * k] = (count_a & 0xFFFFu) | (count_b << 16);
-        factors->pair[2u * k + 1u] = ((0u - zero_a) & 0xFFFFu) | ((0u - zero_b) << 16);
-    }
-#else
-    const uint32_t difference = count_a - zero_a;
-    factors->pair[2u * k] = difference;
-    factors->pair[2u * k + 1u] = (count_b - zero_b) - (difference << 16);
-    factors->start -= difference << 15;
-#endif
-}
-
-/** \return whether a sensor's difference fits 16 bits. */
-CCGEN_INLINE bool ccgen_fits16(const ccgen_axis16_t *const axis, const int16_t *const zero,
-                               const int16_t *const counts, const uint8_t sensor) {
-    const int32_t difference =
-        ccgen_value16(axis, counts, sensor) - ccgen_value16(axis, zero, sensor);
-    return (difference >= INT16_MIN) && (difference <= INT16_MAX);
-}
-
-/** \return whether halves can hold the differences; where weights are no halves, always. */
-CCGEN_INLINE bool ccgen_fits_halves16(const ccgen_axis16_t *const axis, const int16_t *const zero,
-                                      const int16_t *const counts) {
-#if CCGEN_HALVES
-    return axis->narrow ||
-           (ccgen_fits16(axis, zero, counts, 0) && ccgen_fits16(axis, zero, counts, 1) &&
-            ccgen_fits16(axis, zero, counts, 2) && ccgen_fits16(axis, zero, counts, 3) &&
-            ccgen_fits16(axis, zero, counts, 4) && ccgen_fits16(axis, zero, counts, 5) &&
-            ccgen_fits16(axis, zero, counts, 6) && ccgen_fits16(axis, zero, counts, 7));
-#else
-    (void)axis;
-    (void)zero;
-    (void)counts;
-    return true;
-#endif
-}
 
 #if CCGEN_HALVES
 /** \return sum and the products of the lower and of the upper halves of two words. */
@@ -153,7 +54,7 @@ CCGEN_INLINE uint32_t ccgen_add_pair16(const ccgen_axis16_t *const axis, const u
 #endif
 }
 
-#if defined(__ARM_FEATURE_SAT)
+#if CCGEN_HAS_SSAT
 /* The compiler's own macro converts without a cast. */
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
@@ -176,7 +77,7 @@ CCGEN_INLINE void ccgen_store16(const ccgen_axis16_t *const axis, const uint32_t
 #if defined(__ARM_FEATURE_SIMD32)
         const uint32_t clipped = ccgen_clip16(ccgen_signed32(sum) >> axis->shift);
         steps = (uint32_t)__qadd16(ccgen_signed32(clipped), 1);
-#elif defined(__ARM_FEATURE_SAT)
+#elif CCGEN_HAS_SSAT
         const uint32_t clipped = ccgen_clip16(ccgen_signed32(sum) >> axis->shift);
         steps = clipped + ((clipped + CCGEN_ANGLE16_LIMIT) >> 31); /* -32768 becomes -32767 */
 #else
@@ -225,22 +126,15 @@ CCGEN_INLINE void ccgen_segment16(const ccgen_axis16_t *const axis,
 
 /** Estimates all segments: four a turn, three, two or one, as their number divides. */
 CCGEN_INLINE void ccgen_segments16(const ccgen_axis16_t *const axis,
-                                   ccgen_factors16_t *const factors, int16_t *const angles) {
-    const uint16_t turn = ccgen_turn(axis->segments);
-    factors->end = angles + axis->segments;
-#if CCGEN_HAS_THUMB1_LOOP
-    if (__builtin_constant_p(axis->sensors) && __builtin_constant_p(axis->shift) &&
-        __builtin_constant_p(axis->saturates) && __builtin_constant_p(turn) &&
-        (axis->biases == NULL)) {
-        ccgen_thumb1_loop16(axis->rows, angles, factors, offsetof(ccgen_factors16_t, end),
-                            axis->sensors, axis->shift, axis->saturates, turn);
-        return;
-    }
-#endif
-    CCGEN_OPAQUE(factors->end); /* or else short loops are unrolled whole */
+                                   const ccgen_factors16_t *const factors,
+                                   int16_t *const angles) {
+    /* A product takes a compiler about twice the code that it takes by hand. */
+    const uint16_t turn = ccgen_turn(axis->segments, (uint8_t)(2u * axis->sensors));
     const uint32_t *row = axis->rows;
     const int32_t *biases = axis->biases;
     int16_t *angle = angles;
+    const int16_t *end = angles + axis->segments;
+    CCGEN_OPAQUE(end); /* or else short loops are unrolled whole */
     do {
         ccgen_segment16(axis, factors, &row, biases, angle, 0);
         if (turn > 1u) {
@@ -256,13 +150,24 @@ CCGEN_INLINE void ccgen_segments16(const ccgen_axis16_t *const axis,
             biases += turn;
         }
         angle += turn;
-    } while (angle != factors->end);
+    } while (angle != end);
 }
 
 /** Estimates all segments; `narrow` tells whether every difference fits 16 bits. */
 CCGEN_INLINE void ccgen_evaluate16(const ccgen_axis16_t *const axis, const int16_t *const zero,
                                    const int16_t *const counts, const bool narrow,
                                    int16_t *const angles) {
+#if CCGEN_HAS_THUMB1_LOOP
+    if (__builtin_constant_p(axis->sensors) && __builtin_constant_p(axis->segments) &&
+        __builtin_constant_p(axis->saturates) && (axis->biases == NULL)) {
+        if (__builtin_constant_p(axis->shift)) {
+            ccgen_thumb1_evaluate16(axis, zero, counts, true, angles);
+        } else {
+            ccgen_thumb1_evaluate16(axis, zero, counts, false, angles);
+        }
+        return;
+    }
+#endif
     ccgen_factors16_t factors = CCGEN_ZERO;
     factors.narrow = narrow;
     factors.start = ccgen_start16(axis);

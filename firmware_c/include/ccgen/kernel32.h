@@ -118,7 +118,7 @@ CCGEN_INLINE void ccgen_axis32_segment(const ccgen_axis32_t *const axis,
 CCGEN_INLINE void ccgen_axis32_segments(const ccgen_axis32_t *const axis,
                                         const ccgen_factors32_t *const factors,
                                         int32_t *const angles) {
-    const uint16_t turn = ccgen_turn(axis->segments);
+    const uint16_t turn = ccgen_turn(axis->segments, (uint8_t)(4u * axis->sensors));
     const uint32_t *row = (const uint32_t *)axis->weights; /* the unsigned type may alias */
     const int64_t *biases = axis->biases;
     int32_t *angle = angles;

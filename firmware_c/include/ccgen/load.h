@@ -34,9 +34,23 @@
 #define CCGEN_RARELY(condition) (condition)
 #endif
 
-/** \return how many segments one turn of a loop estimates: the most of 4 to 1 that divides. */
-CCGEN_INLINE uint16_t ccgen_turn(const uint16_t segments) {
-    return ((segments % 4u) == 0u) ? 4u : ((segments % 3u) == 0u) ? 3u : (2u - (segments % 2u));
+/**
+ * Tells how many segments one turn of a loop estimates. More save the loop's own instructions,
+ * which long segments hide anyway, and take flash.
+ * \param[in] segments  1 or more
+ * \param[in] products  of 32 bits that one segment takes
+ * \return 1 to 4, a divisor of `segments`
+ */
+CCGEN_INLINE uint16_t ccgen_turn(const uint16_t segments, const uint8_t products) {
+    const uint16_t small = !CCGEN_THUMB1 ? 1u : (products <= 3u) ? 4u : (products <= 6u) ? 2u : 1u;
+    const uint16_t most = CCGEN_SMALL ? small : 4u;
+    if ((most >= 4u) && ((segments % 4u) == 0u)) {
+        return 4u;
+    }
+    if ((most >= 3u) && ((segments % 3u) == 0u)) {
+        return 3u;
+    }
+    return ((most >= 2u) && ((segments % 2u) == 0u)) ? 2u : 1u;
 }
 
 /** \return the word at *from, which moves on by one. */
