@@ -108,7 +108,7 @@ def test_no_input_breaks_what_holds(driver, joint, runs, flags, exported, tmp_pa
         ("estimator", "shoulder", "src/ccgen/kernel32.h",
          "(steps == 0u) ? 1u : steps", "(steps == 0u) ? 0u : steps"),
         ("node", "shoulder", "src/ccgen/snapshot.c",
-         "snapshot->received = 0;", ""),
+         "snapshot->received = 0;\n    snapshot->first_us", "snapshot->first_us"),
         ("node", "shoulder", "src/ccgen/node.c",
          "node->estimated ? angle_at", "true ? angle_at"),
         ("node", "wrist", "src/wrist.c",

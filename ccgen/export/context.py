@@ -63,8 +63,8 @@ def model_context(
 def _kernels(axes: dict[str, dict[str, Any]], joint: Joint) -> list[dict[str, Any]]:
     """The functions that evaluate an axis: one for both where they differ in numbers alone.
 
-    Each lists its model's fields in their order: what its axes agree on as a constant, which
-    decides the code, the rest as a field of the model that the function is called with.
+    Each lists its model's fields in their order: what its axes agree on from a constant model,
+    which decides the code, the rest as a field of the model that the function is called with.
     """
     same_code = all(bool(axes["u"][key]) == bool(axes["v"][key]) for key in ("saturates", "biases"))
     together = same_code and axes["u"]["sensors"] == axes["v"]["sensors"]
@@ -80,16 +80,18 @@ def _kernels(axes: dict[str, dict[str, Any]], joint: Joint) -> list[dict[str, An
 
 
 def _fields(members: list[dict[str, Any]], joint: Joint) -> list[str]:
+    own = f"{members[0]['tables']}_axis"
+
     def field(key: str) -> str:
-        values = {str(member[key]).lower() for member in members}
-        return values.pop() if len(values) == 1 else f"model->{key}"
+        agreed = len({member[key] for member in members}) == 1
+        return f"{own}.{key}" if agreed else f"model->{key}"
 
     flags = ("saturates", "narrow") if joint.precision == 16 else ("saturates",)
     known = [field(key) for key in ("sensors", "shift", "fraction_bits", *flags)]
     tables = [f"model->{key}" for key in ("minimum", "maximum", "zero", "bias")]
     biases = "model->biases" if members[0]["biases"] else "NULL"
     weights = "model->rows" if joint.precision == 16 else "model->weights"
-    return [str(joint.geometry.segments), *known, *tables, biases, weights]
+    return [f"{own}.segments", *known, *tables, biases, weights]
 
 
 def can_context(layout: FrameLayout, joint: Joint) -> dict[str, Any]:
