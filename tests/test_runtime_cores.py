@@ -10,9 +10,9 @@ from test_runtime_estimator import CASES, Case, function, functions_of, readings
 
 from ccgen import resources
 from ccgen.cost.emulator import CORES, Program
-from ccgen.cost.link import link, run
+from ccgen.cost.link import link
 from ccgen.fixedpoint import AxisModel
-from ccgen.verify.build import WARNINGS
+from ccgen.verify.build import WARNINGS, run_compiler
 from ccgen.verify.targets import cross
 
 BUILDS = [
@@ -142,7 +142,8 @@ def test_the_estimator_of_precision_16_needs_no_arithmetic_from_a_library(joint,
     source = folder.directory / "src" / f"{folder.joint.name}.c"
     target = tmp_path / "estimator.o"
     include = f"-I{folder.directory / 'src'}"
-    run([*cross.CORES["cortex-m0"].compile, "-O2", include, "-c", str(source), "-o", str(target)])
+    compiler = [*cross.CORES["cortex-m0"].compile, "-O2", include]
+    run_compiler([*compiler, "-c", str(source), "-o", str(target)], tmp_path, compiler[0])
     command = ["arm-none-eabi-nm", "-u", str(target)]
     needed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
     helpers = [symbol for symbol in needed if symbol.startswith("__")]
