@@ -4,6 +4,7 @@ The clock of the library's node advances with snapshots only, so these tests do 
 speed of the machine.
 """
 
+import subprocess
 import threading
 import time
 from dataclasses import dataclass
@@ -26,7 +27,7 @@ from ccgen.can.transports.process import process_node
 from ccgen.errors import ToolError
 from ccgen.export.package import export
 from ccgen.kinematics import tip_pose
-from ccgen.verify.build import build_process, build_shared
+from ccgen.verify.build import build_process, build_shared, sources
 from ccgen.verify.exported import Exported, open_exported
 
 STALE = 1 << FAULTS.index("STALE")
@@ -181,3 +182,29 @@ def test_no_thread_stays_behind(built):
         with library_node(built.library, built.exported.layout):
             raise RuntimeError("mine")
     assert set(threading.enumerate()) <= before
+
+
+START = """
+#include <string.h>
+#include "finger_can.h"
+int main(void) {
+    static finger_node_t zeros, ones;
+    memset(&zeros, 0, sizeof zeros);
+    memset(&ones, 255, sizeof ones);
+    if (finger_node_init(&zeros) != CCGEN_OK || finger_node_init(&ones) != CCGEN_OK) {
+        return 2;
+    }
+    __builtin_clear_padding(&zeros);
+    __builtin_clear_padding(&ones);
+    return memcmp(&zeros, &ones, sizeof zeros) != 0;
+}
+"""
+
+
+def test_a_node_starts_alike_whatever_its_memory_held(built, tmp_path):
+    directory = built.exported.directory
+    (tmp_path / "start.c").write_text(START)
+    files = [*sources(directory), tmp_path / "start.c"]
+    command = ["gcc", f"-I{directory / 'src'}", *map(str, files), "-o", str(tmp_path / "start")]
+    subprocess.run(command, check=True)
+    assert subprocess.run([tmp_path / "start"], check=False).returncode == 0
