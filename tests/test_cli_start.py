@@ -4,10 +4,10 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
+from waiting import PATIENCE, becomes
 
 from ccgen.export.package import export
 
@@ -44,10 +44,7 @@ def test_a_verification_that_is_ended_leaves_no_files_behind(tmp_path, number, s
         [sys.executable, "-m", "ccgen", "verify", str(tmp_path / "shoulder")],
         env={**os.environ, "TMPDIR": str(temporary)}, stderr=subprocess.DEVNULL,
     )  # fmt: skip
-    deadline = time.monotonic() + 60
-    while not list(temporary.glob("ccgen-*/*.so")) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert list(temporary.iterdir())
+    assert becomes(lambda: list(temporary.glob("ccgen-*/*.so")))
     process.send_signal(number)
-    assert process.wait(timeout=60) == status
+    assert process.wait(timeout=PATIENCE) == status
     assert list(temporary.iterdir()) == []

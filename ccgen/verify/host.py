@@ -19,9 +19,6 @@ from ccgen.verify.library import JointLibrary
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 
-PACE = Pace(timeout=5.0)
-"""As fast as answers come, with patience for a machine that has other work."""
-
 
 def verify(exported: Exported, plan: Plan, report: Progress, level: str = LEVEL) -> list[Run]:
     """Batches through the shared library, then both buses; a record each.
@@ -48,5 +45,5 @@ def verify(exported: Exported, plan: Plan, report: Progress, level: str = LEVEL)
         }
         for transport, node in nodes.items():
             with node() as bus:
-                runs.append(verify_bus(exported, bus, counts, PACE, report, "host", transport))
+                runs.append(verify_bus(exported, bus, counts, Pace(), report, "host", transport))
     return runs
