@@ -30,10 +30,14 @@ prove() {
 }
 
 mkdir -p "$out"
-for joint in shoulder spine; do
+for pair in shoulder:ccgen_segments16 spine:ccgen_axis32_segments; do
+    joint=${pair%:*}
+    loop=${pair#*:}
     folder=$out/$joint
     "$ccgen" export "$examples/$joint.toml" -o "$folder" >/dev/null
-    prove "$joint" "$folder" -eva-slevel-function ccgen_layout_begin:80 \
+    # The loop over segments is followed turn by turn, up to the most segments.
+    prove "$joint" "$folder" \
+        -eva-slevel-function "ccgen_layout_begin:80,$loop:100" \
         "$drivers/joint.c" "$folder"/src/*.c "$folder"/src/ccgen/*.c
 done
 prove slcan "$out/shoulder" "$drivers/slcan.c" "$out/shoulder/src/ccgen/slcan.c"
