@@ -40,7 +40,7 @@ def variants() -> dict[str, str]:
 def large() -> dict[str, str]:
     """The spine on classic CAN: 98 frames an answer, on a bus that carries them in a cycle."""
     return {
-        "large": changed("spine", {"fd = true": "fd = false", "cycle_ms = 5": "cycle_ms = 100"})
+        "large": changed("spine", {"fd = true": "fd = false", "cycle_ms = 10": "cycle_ms = 100"})
     }
 
 
