@@ -65,6 +65,8 @@ class AxisSensors:
     transducer: Transducer
     placement: str
     """Name of the layout that gave the spans, or "spans" where the file lists them."""
+    own_table: bool = field(default=False, compare=False)
+    """Whether the joint file has a table for this axis alone."""
 
 
 @dataclass(frozen=True)

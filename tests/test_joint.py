@@ -156,6 +156,7 @@ def test_one_axis_replaces_single_keys():
     assert joint.u.transducer == Transducer(16, 2e-6, None, None)
     assert (len(joint.v.spans), joint.v.radius) == (4, 0.04)
     assert joint.v.transducer.own == {"noise", "range"}
+    assert (joint.u.own_table, joint.v.own_table) == (False, True)
     assert joint.v.transducer == Transducer(16, 2e-6, 1e-5, (-10, 20))
 
 

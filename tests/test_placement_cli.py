@@ -249,3 +249,10 @@ def test_spans_of_both_axes_are_drawn(tmp_path):
     plot = tmp_path / "spans.svg"
     assert run(WRIST, "--method", "heuristic", "--plot", plot).exit_code == 0
     assert ElementTree.parse(plot).getroot().tag.endswith("svg")
+
+
+def test_a_joint_file_with_a_byte_order_mark_is_placed_as_without(tmp_path):
+    marked = tmp_path / "shoulder.toml"
+    marked.write_bytes(b"\xef\xbb\xbf" + SHOULDER.read_bytes())
+    options = ["--method", "end-to-end", "--json"]
+    assert run(marked, *options).stdout == run(SHOULDER, *options).stdout != ""

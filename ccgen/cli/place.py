@@ -1,6 +1,5 @@
 """`ccgen place`: where to put the sensors."""
 
-import tomllib
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -118,7 +117,7 @@ def place(
     searching.check()
     problems = [
         (table, axes, _problem(joint, axes[0], sensors, objective, constraints))
-        for table, axes in _tables(joint_file, axis)
+        for table, axes in _tables(joint, axis)
     ]
     placed = _find(problems, method, evolution, searching)
     if plot is not None:
@@ -129,7 +128,7 @@ def place(
         show(joint, placed)
 
 
-def _tables(joint_file: Path, axis: Axis | None) -> list[tuple[str, tuple[str, ...]]]:
+def _tables(joint: "Joint", axis: Axis | None) -> list[tuple[str, tuple[str, ...]]]:
     """The tables of the joint file that spans belong into, and the axes that each is for.
 
     Spans of [sensors] have no effect on an axis that has its own, and its own count, noise or
@@ -137,8 +136,7 @@ def _tables(joint_file: Path, axis: Axis | None) -> list[tuple[str, tuple[str, .
     """
     from ccgen.joint import AXES
 
-    own = tomllib.loads(joint_file.read_text(encoding="utf-8"))["sensors"].keys() & set(AXES)
-    if axis is None and not own:
+    if axis is None and not any(joint.axis(one).own_table for one in AXES):
         return [("sensors", AXES)]
     chosen = AXES if axis is None else (str(axis),)
     return [(f"sensors.{one}", (one,)) for one in chosen]

@@ -51,7 +51,8 @@ def axis_sensors(table: SensorsTable, axis: str, segments: int, precision: int) 
     radius = overlay.get("radius")
     if radius is None:
         raise KeyProblemError(missing_key("sensors.radius", AxisTable.model_fields["radius"]))
-    return AxisSensors(spans, radius, _transducer(overlay, precision), placement)
+    transducer = _transducer(overlay, precision)
+    return AxisSensors(spans, radius, transducer, placement, axis in table.model_fields_set)
 
 
 def _placed(overlay: _Overlay, segments: int) -> tuple[str, Spans]:
