@@ -171,16 +171,20 @@ def test_a_sender_that_is_held_up_within_a_snapshot_loses_nothing(built, kind):
 def test_a_library_that_is_none_is_named(tmp_path, built):
     path = tmp_path / "libjoint.so"
     path.write_bytes(b"no library")
-    with pytest.raises(ToolError, match="is no node's library"):  # noqa: SIM117
-        with library_node(path, built.exported.layout):
-            pass
+    with (
+        pytest.raises(ToolError, match="is no node's library"),
+        library_node(path, built.exported.layout),
+    ):
+        pass
 
 
 def test_no_thread_stays_behind(built):
     before = set(threading.enumerate())
-    with pytest.raises(RuntimeError, match="mine"):  # noqa: SIM117
-        with library_node(built.library, built.exported.layout):
-            raise RuntimeError("mine")
+    with (
+        pytest.raises(RuntimeError, match="mine"),
+        library_node(built.library, built.exported.layout),
+    ):
+        raise RuntimeError("mine")
     assert set(threading.enumerate()) <= before
 
 

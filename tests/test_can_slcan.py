@@ -157,9 +157,11 @@ def test_a_process_is_given_time_for_a_snapshot_that_a_busy_machine_may_need(pro
     tell = (
         "import sys, os\nos.write(1, b't0010\\r')\nsys.stdin.read(1)\nsys.exit(str(sys.argv[1:]))"
     )
-    with pytest.raises(ToolError, match=r"\['--window-ms', '10000'\]"):  # noqa: SIM117
-        with process_node(program(tell)) as bus:
-            assert bus.recv(PATIENCE) is not None
+    with (
+        pytest.raises(ToolError, match=r"\['--window-ms', '10000'\]"),
+        process_node(program(tell)) as bus,
+    ):
+        assert bus.recv(PATIENCE) is not None
 
 
 def test_a_process_that_fails_says_why(program):

@@ -2,12 +2,13 @@
 
 import signal
 import sys
-from types import FrameType
+
+from ccgen.signals import terminate
 
 
 def start() -> None:
     """Run the program; Ctrl-C and SIGTERM end it by way of every clean-up, in one line at most."""
-    signal.signal(signal.SIGTERM, _terminate)
+    signal.signal(signal.SIGTERM, terminate)
     try:
         from ccgen.cli.main import main
 
@@ -15,7 +16,3 @@ def start() -> None:
     except KeyboardInterrupt:
         sys.stderr.write("ccgen: interrupted\n")
         sys.exit(130)
-
-
-def _terminate(signum: int, frame: FrameType | None) -> None:
-    raise SystemExit(128 + signum)
