@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ccgen.cli.cost import choose_targets, measure_targets, require_counter, show_costs
+from ccgen.cli.costs import choose_targets, measure_targets, require_counter, show_costs
 from ccgen.cli.output import note, print_json, results
 
 if TYPE_CHECKING:
