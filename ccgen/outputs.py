@@ -12,9 +12,9 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import FrameType
 
 from ccgen.errors import InputError
-from ccgen.signals import terminate
 
 
 def write_file(path: Path, data: bytes) -> None:
@@ -157,3 +157,8 @@ def _held_signals() -> Iterator[None]:
             signal.signal(signal_number, handler or signal.SIG_DFL)
         for arrival in arrived:
             signal.raise_signal(arrival)
+
+
+def terminate(signum: int, frame: FrameType | None) -> None:
+    """Handle SIGTERM: leave by way of every clean-up, with the status that a shell gives to it."""
+    raise SystemExit(128 + signum)

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from ccgen.beam import (
+from ccgen.errors import ReachError
+from ccgen.shapes.beam import (
     END_FORCE,
     LOAD_CASES,
     S_SHAPE,
@@ -13,8 +14,7 @@ from ccgen.beam import (
     follow,
     under_load,
 )
-from ccgen.elastica import LoadCase
-from ccgen.errors import ReachError
+from ccgen.shapes.elastica import LoadCase
 
 # Dead end force: tip deflection, tip shortening, tip angle by elliptic integrals in 40 digits;
 # the first lines agree with Mattiasson (1981).

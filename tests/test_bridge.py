@@ -20,8 +20,8 @@ from ccgen.cli.bridge import Source
 from ccgen.cli.main import main
 from ccgen.export.package import export
 from ccgen.shapes import score_library
-from ccgen.verify.build import build_shared
-from ccgen.verify.exported import open_exported
+from ccgen.targets.build import build_shared
+from ccgen.targets.exported import open_exported
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "shoulder.toml"
 
@@ -140,7 +140,7 @@ def test_a_path_that_is_nothing_is_bad_input(tmp_path, capsys):
 
 
 def test_the_options_know_every_source():
-    from ccgen.can.sensors import SOURCES
+    from ccgen.sensing.motion import SOURCES
 
     assert tuple(Source) == SOURCES
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ccgen.can.layout import FrameLayout, layout_for, tip_fraction_bits
 from ccgen.errors import InputError
 from ccgen.joint import AxisSensors, Can, Geometry, Joint, Shapes, Transducer
-from ccgen.layouts import heuristic
+from ccgen.joint.layouts import heuristic
 
 TRANSDUCER = Transducer(bits=16, metres_per_count=2e-6, noise=None, range=None)
 SENSORS = AxisSensors(heuristic(12, 3), 0.05, TRANSDUCER, "heuristic")

@@ -18,7 +18,6 @@ import pytest
 from joint_files import joint_text
 from waiting import PATIENCE
 
-from ccgen.can import sensors
 from ccgen.can.codec import status_of
 from ccgen.can.exchange import Pace, exchange
 from ccgen.can.layout import FAULTS
@@ -27,8 +26,9 @@ from ccgen.can.transports.process import process_node
 from ccgen.errors import ToolError
 from ccgen.export.package import export
 from ccgen.kinematics import tip_pose
-from ccgen.verify.build import build_process, build_shared, sources
-from ccgen.verify.exported import Exported, open_exported
+from ccgen.sensing.counts import corner_counts, random_counts
+from ccgen.targets.build import build_process, build_shared, sources
+from ccgen.targets.exported import Exported, open_exported
 
 STALE = 1 << FAULTS.index("STALE")
 CAN = "[can]\nbase_id = {base_id}\nextended = {extended}\nfd = {fd}\n"
@@ -57,7 +57,7 @@ class Built:
     @property
     def counts(self):
         axes = (self.exported.model.u, self.exported.model.v)
-        return np.concatenate([sensors.corner_counts(axes), sensors.random_counts(axes, 300)])
+        return np.concatenate([corner_counts(axes), random_counts(axes, 300)])
 
 
 @pytest.fixture(scope="module", params=VARIANTS)

@@ -9,10 +9,11 @@ import pytest
 from ccgen.cli.choices import Method
 from ccgen.cli.main import main
 from ccgen.estimation import FIT_METHODS, fit_joint
-from ccgen.joint import parse_joint, read_joint
+from ccgen.figures.case_study import case_study_figure
+from ccgen.figures.style import planar_curve
+from ccgen.joint.file import parse_joint, read_joint
 from ccgen.kinematics import chain
 from ccgen.shapes import single_shape
-from ccgen.study.figures import case_study_figure, planar_curve
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 SHOULDER = EXAMPLES / "shoulder.toml"

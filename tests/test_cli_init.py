@@ -15,7 +15,7 @@ from ccgen.cli.init import joint_text
 from ccgen.cli.main import app, main
 from ccgen.cli.output import print_json
 from ccgen.errors import CheckError, InputError
-from ccgen.joint import parse_joint
+from ccgen.joint.file import parse_joint
 
 REQUIRED_ONLY = """\
 name = "elbow"

@@ -9,8 +9,9 @@ import pytest
 
 from ccgen.cli.choices import Axis, Case
 from ccgen.cli.main import main
-from ccgen.joint import AXES, CASES, parse_joint, read_joint
-from ccgen.simulation import simulate
+from ccgen.joint import AXES, CASES
+from ccgen.joint.file import parse_joint, read_joint
+from ccgen.sensing.simulation import simulate
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 SHOULDER = str(EXAMPLES / "shoulder.toml")

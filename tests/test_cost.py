@@ -7,13 +7,13 @@ import pytest
 from typer.testing import CliRunner
 
 from ccgen.cli.main import app
-from ccgen.cost import cores
+from ccgen.cost import measured
 from ccgen.cost.budget import Budget, excesses
 from ccgen.cost.measure import measure
 from ccgen.cost.stack import read_disassembly, read_frames, worst_case
 from ccgen.errors import CheckError
 from ccgen.export.package import export
-from ccgen.verify.exported import open_exported
+from ccgen.targets.exported import open_exported
 
 ROOT = Path(__file__).resolve().parent.parent
 TARGETS = ("host", "cortex-m0", "cortex-m4", "riscv32", "avr")
@@ -116,9 +116,9 @@ def test_over_budget_ends_with_status_1(shoulder):
 
 @pytest.fixture
 def only_cortex_m4(monkeypatch):
-    present = cores.missing_tools
+    present = measured.missing_tools
     monkeypatch.setattr(
-        cores, "missing_tools", lambda t: present(t) if t == "cortex-m4" else [f"gcc-no-{t}"]
+        measured, "missing_tools", lambda t: present(t) if t == "cortex-m4" else [f"gcc-no-{t}"]
     )
 
 
@@ -152,8 +152,8 @@ def test_a_budget_does_not_pass_on_targets_that_were_left_out(shoulder):
     ("absent", "option"), [("host", "--max-flash"), ("avr", "--max-instructions")]
 )
 def test_a_budget_does_not_miss_what_it_does_not_hold_for(shoulder, monkeypatch, absent, option):
-    monkeypatch.setattr(cores, "TARGETS", (absent, "cortex-m4"))
-    monkeypatch.setattr(cores, "missing_tools", lambda t: ["gcc"] if t == absent else [])
+    monkeypatch.setattr(measured, "TARGETS", (absent, "cortex-m4"))
+    monkeypatch.setattr(measured, "missing_tools", lambda t: ["gcc"] if t == absent else [])
     result = run(shoulder, option, 10**6)
     assert result.exit_code == 0, result.stderr
     assert f"left out: {absent}: " in result.stderr

@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ccgen.cli.main import app
-from ccgen.cost import cores
+from ccgen.cost import measured
 from ccgen.cost.readme import BEGIN, END, has_table
 from ccgen.export.manifest import changed_files, replace_file
 from ccgen.export.package import export
@@ -22,8 +22,8 @@ def folder(tmp_path):
 
 @pytest.fixture
 def one_core(monkeypatch):
-    monkeypatch.setattr(cores, "TARGETS", ("avr", "cortex-m4"))
-    monkeypatch.setattr(cores, "missing_tools", lambda t: ["gcc-avr"] if t == "avr" else [])
+    monkeypatch.setattr(measured, "TARGETS", ("avr", "cortex-m4"))
+    monkeypatch.setattr(measured, "missing_tools", lambda t: ["gcc-avr"] if t == "avr" else [])
 
 
 def run(*arguments, status=0):
@@ -106,7 +106,7 @@ def test_export_writes_nothing_where_it_cannot_measure(tmp_path, monkeypatch):
     result = run("export", JOINT, "-o", tmp_path / "out", "--cost", status=2)
     assert "counting needs unicorn; install it with `pip install 'ccgen[cost]'`" in result.stderr
     monkeypatch.undo()
-    monkeypatch.setattr(cores, "missing_tools", lambda t: ["gcc-nowhere"])
+    monkeypatch.setattr(measured, "missing_tools", lambda t: ["gcc-nowhere"])
     result = run("export", JOINT, "-o", tmp_path / "out", "--cost", status=2)
     assert "no target is left to measure" in result.stderr
     assert not (tmp_path / "out").exists()

@@ -5,11 +5,11 @@ import pytest
 from elftools.elf.elffile import ELFFile
 
 from ccgen.cost.build import build
-from ccgen.cost.cores import TARGETS, core_named
+from ccgen.cost.measured import TARGETS, core_named
 from ccgen.cost.size import Size, read_map
 from ccgen.errors import ToolError
 from ccgen.export.package import export
-from ccgen.verify.exported import open_exported
+from ccgen.targets.exported import open_exported
 
 ROOT = Path(__file__).resolve().parent.parent
 

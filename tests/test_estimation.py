@@ -12,15 +12,14 @@ from ccgen.estimation import (
     fit_joint,
     fit_weights,
     noise_gain,
-    reading_matrix,
-    reading_noise,
-    readings,
     score_percent_rom,
     score_with_noise_percent_rom,
     wam,
 )
-from ccgen.joint import parse_joint
-from ccgen.layouts import end_to_end, heuristic, single
+from ccgen.joint.file import parse_joint
+from ccgen.joint.layouts import end_to_end, heuristic, single
+from ccgen.sensing.noise import reading_noise
+from ccgen.sensing.readings import reading_matrix, readings
 from ccgen.shapes import fit_library, score_library, shape_library
 
 SEGMENTS = 12

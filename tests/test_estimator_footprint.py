@@ -8,9 +8,9 @@ from benchmarks.estimator_instructions import Footprint, footprint
 from joint_files import joint_text
 
 from ccgen.export.package import export
-from ccgen.verify.exported import Exported, open_exported
+from ccgen.targets.exported import Exported, open_exported
+from ccgen.verify.emulated import verify_core as verify_target
 from ccgen.verify.plan import Plan, silent
-from ccgen.verify.targets import verify_target
 
 ALIKE = ""
 OTHER_RADIUS = "[sensors.v]\nradius = 0.04"

@@ -12,10 +12,12 @@ from joint_files import joint_text
 
 from ccgen.errors import FormatError, InputError
 from ccgen.estimation import fit_joint
-from ccgen.fixedpoint import counts_of, load_model, model_json, quantise
+from ccgen.fixedpoint import load_model, model_json, quantise
 from ccgen.fixedpoint.bounds import largest_accumulator
 from ccgen.fixedpoint.ranges import count_gains
-from ccgen.joint import AXES, parse_joint
+from ccgen.joint import AXES
+from ccgen.joint.file import parse_joint
+from ccgen.sensing.counts import counts_of
 from ccgen.shapes import fit_library
 
 

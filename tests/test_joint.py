@@ -19,12 +19,11 @@ from ccgen.joint import (
     Joint,
     Shapes,
     Transducer,
-    parse_joint,
-    read_joint,
 )
-from ccgen.joint_file.names import LONGEST_NAME, name_problem
-from ccgen.joint_file.tables import AxisTable, EstimatorTable, JointTable, ShapesTable
-from ccgen.layouts import LAYOUTS
+from ccgen.joint.file import parse_joint, read_joint
+from ccgen.joint.layouts import LAYOUTS
+from ccgen.joint.names import LONGEST_NAME, name_problem
+from ccgen.joint.tables import AxisTable, EstimatorTable, JointTable, ShapesTable
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 

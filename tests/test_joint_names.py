@@ -8,7 +8,7 @@ import pytest
 
 from ccgen import resources
 from ccgen.export.package import export
-from ccgen.joint_file.names import name_problem
+from ccgen.joint.names import name_problem
 
 ROOT = Path(__file__).resolve().parent.parent
 ELSEWHERE = ("arm_acle.h", "avr/", "simavr/")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from ccgen import kinematics as kin
+from ccgen.kinematics import uvh as kin
 
 H = 0.02
 RADIUS = 0.05

@@ -23,7 +23,7 @@ from ccgen.export.kinematics_c import (
     degrees,
     kinematics_context,
 )
-from ccgen.kinematics_bounds import error_bounds, largest_angle, pose_bound
+from ccgen.kinematics.bounds import error_bounds, largest_angle, pose_bound
 
 WARNINGS = (
     "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Wfloat-conversion",

@@ -1,6 +1,6 @@
 import pytest
 
-from ccgen.layouts import end_to_end, heuristic, single, spans_for
+from ccgen.joint.layouts import end_to_end, heuristic, single, spans_for
 
 
 def test_single_spans_the_joint():

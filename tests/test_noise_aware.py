@@ -6,11 +6,11 @@ from ccgen.estimation import (
     noise_aware,
     noise_gain,
     posterior_covariance,
-    reading_matrix,
     score_with_noise_percent_rom,
     wam,
 )
-from ccgen.layouts import heuristic
+from ccgen.joint.layouts import heuristic
+from ccgen.sensing.readings import reading_matrix
 from ccgen.shapes import shape_library
 
 SEGMENTS = 12

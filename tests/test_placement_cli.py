@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 
 from ccgen.cli import place as command
 from ccgen.cli.main import app
-from ccgen.joint import parse_joint
-from ccgen.layouts import heuristic
+from ccgen.joint.file import parse_joint
+from ccgen.joint.layouts import heuristic
 from ccgen.placement import METHODS
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

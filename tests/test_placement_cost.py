@@ -3,20 +3,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ccgen.estimation import (
-    noise_aware,
-    readings,
-    score_percent_rom,
-    score_with_noise_percent_rom,
-    wam,
-)
-from ccgen.layouts import heuristic
+from ccgen.estimation import noise_aware, score_percent_rom, score_with_noise_percent_rom, wam
+from ccgen.joint.layouts import heuristic
 from ccgen.placement import Problem
 from ccgen.placement.bound import lower_bound
 from ccgen.placement.certificate import Certificate
 from ccgen.placement.cost import distinct_shapes, orthonormalise
 from ccgen.placement.exchange import exchange_costs
 from ccgen.placement.problem import as_spans
+from ccgen.sensing.readings import readings
 from ccgen.shapes import shape_library
 
 

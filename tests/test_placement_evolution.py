@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ccgen.errors import InputError
-from ccgen.layouts import heuristic
+from ccgen.joint.layouts import heuristic
 from ccgen.placement import (
     Constraints,
     Evolution,

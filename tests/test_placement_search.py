@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ccgen.errors import InputError
-from ccgen.joint import read_joint
-from ccgen.layouts import heuristic
+from ccgen.joint.file import read_joint
+from ccgen.joint.layouts import heuristic
 from ccgen.placement import (
     METHODS,
     Constraints,

@@ -12,8 +12,8 @@ from ccgen import resources
 from ccgen.cost.emulator import CORES, Program
 from ccgen.cost.link import link
 from ccgen.fixedpoint import AxisModel
-from ccgen.verify.build import WARNINGS, run_compiler
-from ccgen.verify.targets import cross
+from ccgen.targets import cores as cross
+from ccgen.targets.build import WARNINGS, run_compiler
 
 BUILDS = [
     *(("cortex-m0", level) for level in ("-O0", "-Os", "-O2")),

@@ -14,8 +14,8 @@ from runtime_c import C99, HERE, WARNINGS
 
 from ccgen.export.package import export
 from ccgen.fixedpoint import AxisModel
-from ccgen.verify.build import sources
-from ccgen.verify.exported import open_exported
+from ccgen.targets.build import sources
+from ccgen.targets.exported import open_exported
 
 DRIVERS = HERE / "fuzz"
 EXAMPLES = Path(__file__).parent.parent / "examples"

@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from ccgen.estimation import fit_weights, readings
-from ccgen.layouts import end_to_end
+from ccgen.estimation import fit_weights
+from ccgen.figures.table import table_figure
+from ccgen.joint.layouts import end_to_end
 from ccgen.placement import Evolution, Search
+from ccgen.sensing.readings import readings
 from ccgen.shapes import fit_library, single_shape
 from ccgen.study.figure8 import CASES, case_study_joint, figure8_csv
 from ccgen.study.files import write_files
 from ccgen.study.joints import PAPER_CALL, Settings, StudyJoint, study_joint
 from ccgen.study.paper import TABLE_2, TABLE_3_DECREASE, TABLE_4_DECREASE
-from ccgen.study.table_figure import table_figure
 from ccgen.study.tables import find, percent, table2, table3, table4
 
 QUICK = Settings(Evolution(individuals=60, generations=3), Search(enumerated=3000, starts=1))

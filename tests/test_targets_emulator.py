@@ -19,13 +19,16 @@ from ccgen.can.exchange import Pace, exchange
 from ccgen.cli.main import app
 from ccgen.errors import ToolError
 from ccgen.export.package import export
-from ccgen.verify.exported import open_exported
-from ccgen.verify.inputs import bus_counts
+from ccgen.targets import emulator
+from ccgen.targets.cores import CORES, Tool, build, missing_tools
+from ccgen.targets.cores import CORES as TARGETS
+from ccgen.targets.emulated import emulated_node
+from ccgen.targets.emulator import run_to_end
+from ccgen.targets.exported import open_exported
+from ccgen.targets.inputs import bus_counts
+from ccgen.verify.emulated import verify_core as verify_target
+from ccgen.verify.on_core import Printed, run_batch
 from ccgen.verify.plan import Plan, silent
-from ccgen.verify.targets import TARGETS, emulated_node, emulator, missing_tools, verify_target
-from ccgen.verify.targets.batch import Printed, run_batch
-from ccgen.verify.targets.cross import CORES, Tool, build
-from ccgen.verify.targets.emulator import run_to_end
 
 CASES = '[shapes]\ncases = ["constant-curvature"]'
 SMALL = {
@@ -140,7 +143,7 @@ def test_targets_that_were_done_are_shown_when_a_later_one_cannot_be(joints, mon
             raise ToolError("avr: no such luck")
         return verify_target(exported, target, *more)
 
-    monkeypatch.setattr("ccgen.verify.target.targets.verify_target", failing)
+    monkeypatch.setattr("ccgen.verify.target.verify_core", failing)
     options = ["--target", "cortex-m0", "--target", "avr", "--snapshots", "5", "--values", "100"]
     result = CliRunner().invoke(app, ["verify", str(joints / "wrist"), *options])
     assert result.exit_code == 2

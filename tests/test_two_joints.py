@@ -16,9 +16,9 @@ from waiting import PATIENCE
 from ccgen.can.codec import Decoded, status_of
 from ccgen.can.layout import FAULTS
 from ccgen.export.package import export
-from ccgen.verify.exported import Exported, open_exported
-from ccgen.verify.inputs import bus_counts
-from ccgen.verify.targets.emulator import running_node
+from ccgen.targets.emulator import running_node
+from ccgen.targets.exported import Exported, open_exported
+from ccgen.targets.inputs import bus_counts
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 SNAPSHOTS = 300

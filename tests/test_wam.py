@@ -8,7 +8,7 @@ from ccgen.errors import InputError
 from ccgen.estimation import score_percent_rom, wam, wam_matrix, wam_objective, wam_paper_call
 from ccgen.estimation.soft_l1 import minimise, soft_l1
 from ccgen.estimation.wam import F_SCALE
-from ccgen.layouts import end_to_end, heuristic
+from ccgen.joint.layouts import end_to_end, heuristic
 from ccgen.shapes import ShapeLibrary, shape_library
 
 EPS = np.finfo(float).eps

@@ -8,12 +8,13 @@ import can
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.can import sensors
 from ccgen.can.codec import Codec
 from ccgen.can.exchange import Answer, Exchange, Pace, exchange
 from ccgen.can.layout import FAULTS, tip_fraction_bits
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.joint import AXES, Joint
+from ccgen.sensing.counts import counts as counts_at
+from ccgen.sensing.motion import Motion, motion
 from ccgen.shapes import ShapeLibrary
 
 Floats = NDArray[np.float64]
@@ -38,7 +39,7 @@ class Stream:
     model: FixedPointModel
     source: str
     rate_hz: float
-    shapes: sensors.Motion
+    shapes: Motion
     counts: NDArray[np.int64]
 
     @property
@@ -78,13 +79,13 @@ def simulate(
     Args:
         joint, model: of the exported folder.
         library: shapes of the joint.
-        source: one of `sensors.SOURCES`.
+        source: one of `ccgen.sensing.motion.SOURCES`.
         seconds: how long the stream lasts; at least one snapshot is sent.
         rate_hz: snapshots a second.
     """
     count, period = max(1, round(seconds * rate_hz)), max(1, round(_ROUND_SECONDS * rate_hz))
-    shapes = sensors.motion(source, library, count, period)
-    counts = sensors.counts(joint, model, shapes)
+    shapes = motion(source, library, count, period)
+    counts = counts_at(joint, (model.u, model.v), shapes)
     return Stream(joint, model, source, rate_hz, shapes, counts)
 
 

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     import can
 
     from ccgen.can.bridge import Summary
-    from ccgen.verify.exported import Exported
+    from ccgen.targets.exported import Exported
 
 
 class Source(StrEnum):
-    """The simulated motions, `ccgen.can.sensors.SOURCES`."""
+    """The simulated motions, `ccgen.sensing.motion.SOURCES`."""
 
     CASES = "cases"
     RANDOM = "random"
@@ -112,7 +112,7 @@ def bridge(
 @contextmanager
 def _exported(path: Path) -> Iterator["Exported"]:
     """Open an exported folder, or export a joint's file into one that goes away again."""
-    from ccgen.verify.exported import open_exported
+    from ccgen.targets.exported import open_exported
 
     if not path.exists():
         raise InputError(
@@ -136,10 +136,10 @@ def _node(
     from ccgen.can.transports.interface import interface_node
     from ccgen.can.transports.library import library_node
     from ccgen.can.transports.process import process_node
-    from ccgen.verify.build import build_process, build_shared
+    from ccgen.targets.build import build_process, build_shared
 
     if target is not None:
-        from ccgen.verify.targets import emulated_node
+        from ccgen.targets.emulated import emulated_node
 
         with emulated_node(exported, target) as bus:
             yield bus

@@ -57,7 +57,7 @@ def cost(
     """
     require_counter()
     from ccgen.cost.budget import Budget, excesses
-    from ccgen.verify.exported import open_exported
+    from ccgen.targets.exported import open_exported
 
     exported = open_exported(directory)
     budget = Budget(max_flash, max_ram, max_stack, max_instructions)

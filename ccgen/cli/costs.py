@@ -9,7 +9,7 @@ from ccgen.errors import ToolError
 
 if TYPE_CHECKING:
     from ccgen.cost.measure import Cost
-    from ccgen.verify.exported import Exported
+    from ccgen.targets.exported import Exported
 
 
 def require_counter() -> None:
@@ -34,7 +34,7 @@ def choose_targets(named: list[str] | None) -> tuple[list[str], dict[str, str]]:
         InputError: unknown target.
         ToolError: a tool of a named target is missing, or no target has its tools.
     """
-    from ccgen.cost.cores import TARGETS, missing_tools
+    from ccgen.cost.measured import TARGETS, missing_tools
 
     present, left_out = [], {}
     for target in dict.fromkeys(named or TARGETS):

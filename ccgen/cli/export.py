@@ -72,8 +72,8 @@ def _countable_targets() -> list[str]:
 
 def _write_costs(directory: Path, targets: "Sequence[str]") -> "list[Cost]":
     from ccgen.cost.readme import write_table
-    from ccgen.verify.build import LEVEL
-    from ccgen.verify.exported import open_exported
+    from ccgen.targets.build import LEVEL
+    from ccgen.targets.exported import open_exported
 
     exported = open_exported(directory)
     costs = measure_targets(exported, targets, LEVEL)

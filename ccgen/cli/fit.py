@@ -33,7 +33,8 @@ def fit(
       ccgen fit shoulder.toml --method equal --plot shapes.svg
     """
     from ccgen.estimation import fit_joint
-    from ccgen.joint import AXES, read_joint
+    from ccgen.joint import AXES
+    from ccgen.joint.file import read_joint
     from ccgen.shapes import score_library
 
     joint = read_joint(joint_file)
@@ -41,7 +42,7 @@ def fit(
     library = score_library(joint)
     axes = {axis: _figures(joint, axis, weights[axis], library) for axis in AXES}
     if plot is not None:
-        from ccgen.study.figures import case_study_figure
+        from ccgen.figures.case_study import case_study_figure
 
         write_plot(plot, lambda: case_study_figure(joint, method))
     if json:
@@ -53,12 +54,8 @@ def fit(
 def _figures(
     joint: "Joint", axis: str, weights: "Weights", library: "ShapeLibrary"
 ) -> dict[str, Any]:
-    from ccgen.estimation import (
-        noise_gain,
-        reading_noise,
-        score_percent_rom,
-        score_with_noise_percent_rom,
-    )
+    from ccgen.estimation import noise_gain, score_percent_rom, score_with_noise_percent_rom
+    from ccgen.sensing.noise import reading_noise
 
     noise = reading_noise(joint, axis)
     return {

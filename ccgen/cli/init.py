@@ -22,7 +22,7 @@ def init(
     Example:
       ccgen init shoulder -o shoulder.toml
     """
-    from ccgen.joint_file.names import LONGEST_NAME, name_problem
+    from ccgen.joint.names import LONGEST_NAME, name_problem
     from ccgen.outputs import write_file
 
     problem = name_problem(name)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from ccgen.cli.place_output import Placed
     from ccgen.joint import Joint
-    from ccgen.layouts import Span
+    from ccgen.joint.layouts import Span
     from ccgen.placement import Constraints, Evolution, Placement, Problem, Search
 
 
@@ -100,7 +100,7 @@ def place(
       ccgen place shoulder.toml --sensors 3 --plot spans.svg
     """
     from ccgen.cli.place_output import figure, show, show_json
-    from ccgen.joint import read_joint
+    from ccgen.joint.file import read_joint
     from ccgen.placement import Constraints, Evolution, Search
 
     joint = read_joint(joint_file)
@@ -149,7 +149,7 @@ def _problem(
     objective: Objective | None,
     constraints: "Constraints",
 ) -> "Problem":
-    from ccgen.joint_file.tables import MOST_SENSORS
+    from ccgen.joint.tables import MOST_SENSORS
     from ccgen.placement import joint_problem
 
     if sensors is not None and not 1 <= sensors <= MOST_SENSORS:
@@ -233,7 +233,7 @@ def _compare(
 
 def _segments(text: str) -> tuple[int, ...]:
     """Segments of a list such as "3,7-9"."""
-    from ccgen.joint_file.tables import MOST_SEGMENTS
+    from ccgen.joint.tables import MOST_SEGMENTS
 
     found: set[int] = set()
     for item in filter(None, (part.strip() for part in text.split(","))):

@@ -78,7 +78,7 @@ def show(joint: "Joint", placed: Sequence[Placed]) -> None:
 
 def figure(placed: Sequence[Placed], forbidden: Sequence[int]) -> "Figure":
     """Draw the spans of all placements along the joint."""
-    from ccgen.placement.figure import placement_figure
+    from ccgen.figures.placement import placement_figure
 
     drawn = [
         replace(placement, method=_named(one) + placement.method)

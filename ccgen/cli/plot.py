@@ -21,8 +21,8 @@ def write_plot(path: Path, draw: Callable[[], "Figure"]) -> None:
     """
     if path.suffix.lower() not in FORMATS:
         raise InputError(f"--plot: {path}: unknown format; give a name that ends in .svg or .png")
+    from ccgen.figures.style import figure_bytes
     from ccgen.outputs import write_file
-    from ccgen.study.figures import figure_bytes
 
     write_file(path, figure_bytes(draw(), path.suffix.lower().removeprefix(".")))
     note(f"wrote {path}")

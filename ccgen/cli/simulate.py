@@ -13,7 +13,7 @@ from ccgen.errors import InputError, ReachError
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
-    from ccgen.simulation import Simulation
+    from ccgen.sensing.simulation import Simulation
 
 _STEEPEST = 90.0
 
@@ -37,13 +37,13 @@ def simulate(
     Example:
       ccgen simulate shoulder.toml --case end-force --first-segment 2.5 --plot shape.svg
     """
-    from ccgen.joint import read_joint
+    from ccgen.joint.file import read_joint
 
     joint = read_joint(joint_file)
     simulation = _simulation(joint, case, first_segment, axis)
     _warn(joint, simulation, first_segment)
     if plot is not None:
-        from ccgen.study.figures import shape_figure
+        from ccgen.figures.shape import shape_figure
 
         write_plot(plot, lambda: shape_figure(joint, simulation, axis))
     if json:
@@ -53,7 +53,7 @@ def simulate(
 
 
 def _simulation(joint: "Joint", case: str, degrees: float, axis: str) -> "Simulation":
-    from ccgen import simulation
+    from ccgen.sensing import simulation
 
     if not abs(degrees) <= _STEEPEST:
         raise InputError(

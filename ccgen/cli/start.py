@@ -3,7 +3,7 @@
 import signal
 import sys
 
-from ccgen.signals import terminate
+from ccgen.outputs import terminate
 
 
 def start() -> None:

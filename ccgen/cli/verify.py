@@ -55,7 +55,7 @@ def verify(
       ccgen verify firmware/shoulder
       ccgen verify firmware/shoulder --target cortex-m0 --target cortex-m4 --optimise s
     """
-    from ccgen.verify.exported import open_exported
+    from ccgen.targets.exported import open_exported
     from ccgen.verify.plan import Plan
     from ccgen.verify.target import verify_target
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
 
-from ccgen.cost.cores import HOST
 from ccgen.cost.measure import Cost
+from ccgen.cost.measured import HOST
 
 
 @dataclass(frozen=True)

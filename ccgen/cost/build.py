@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ccgen.cost import harness
-from ccgen.cost.cores import HOST, binutils
 from ccgen.cost.link import link
+from ccgen.cost.measured import HOST, binutils
 from ccgen.cost.size import HARNESS
-from ccgen.verify.build import LEVEL, run_compiler, sources
-from ccgen.verify.exported import Exported
-from ccgen.verify.targets.cross import Core
+from ccgen.targets.build import LEVEL, run_compiler, sources
+from ccgen.targets.cores import Core
+from ccgen.targets.exported import Exported
 
 FLAGS = (
     "-std=c99", "-ffunction-sections", "-fdata-sections", "-ffp-contract=off",

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import can
 import numpy as np
 
-from ccgen.can import sensors
-from ccgen.verify.exported import Exported
-from ccgen.verify.inputs import Integers, shape_counts
+from ccgen.sensing.counts import corner_counts, random_counts
+from ccgen.targets.exported import Exported
+from ccgen.targets.inputs import Integers, shape_counts
 
 SHAPES = 2
 CORNERS = 2
@@ -17,12 +17,12 @@ DRAWN = 1
 def snapshots(exported: Exported) -> Integers:
     """Counts to measure with: shapes, corners of the ranges, drawn; shape (k, nu + nv)."""
     axes = (exported.model.u, exported.model.v)
-    shapes, corners = shape_counts(exported), sensors.corner_counts(axes)
+    shapes, corners = shape_counts(exported), corner_counts(axes)
     return np.concatenate(
         [
             shapes[:: max(1, len(shapes) // SHAPES)][:SHAPES],
             corners[:: max(1, len(corners) - 1)][:CORNERS],
-            sensors.random_counts(axes, DRAWN, 0),
+            random_counts(axes, DRAWN, 0),
         ]
     )
 

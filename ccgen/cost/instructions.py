@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from ccgen.cost.emulator import Program
 from ccgen.cost.harness import snapshots
 from ccgen.errors import CheckError
-from ccgen.verify.exported import Exported
+from ccgen.targets.exported import Exported
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ from typing import Any
 
 from ccgen.cost import stack
 from ccgen.cost.build import CALLS, build
-from ccgen.cost.cores import RETURN_BYTES, core_named
 from ccgen.cost.instructions import Times, count
+from ccgen.cost.measured import RETURN_BYTES, core_named
 from ccgen.cost.size import Size, read_map
 from ccgen.errors import CheckError
-from ccgen.verify.build import LEVEL
-from ccgen.verify.exported import Exported
+from ccgen.targets.build import LEVEL
+from ccgen.targets.exported import Exported
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from ccgen.export.manifest import replace_file
 
 if TYPE_CHECKING:
     from ccgen.cost.measure import Cost
-    from ccgen.verify.exported import Exported
+    from ccgen.targets.exported import Exported
 
 BEGIN, END = "<!-- ccgen cost: begin -->", "<!-- ccgen cost: end -->"
 

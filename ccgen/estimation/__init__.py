@@ -1,11 +1,11 @@
 """Weight matrices per bending axis, by several methods, and their scores."""
 
-from ccgen.estimation.fit import FIT_METHODS, fit_joint, fit_weights, reading_noise
+from ccgen.estimation.fit import FIT_METHODS, fit_joint, fit_weights
 from ccgen.estimation.noise_aware import noise_aware, posterior_covariance
 from ccgen.estimation.score import noise_gain, score_percent_rom, score_with_noise_percent_rom
 from ccgen.estimation.simple import direct, equal
 from ccgen.estimation.wam import wam, wam_matrix, wam_objective, wam_paper_call
-from ccgen.estimation.weights import Weights, reading_matrix, readings
+from ccgen.estimation.weights import Weights
 
 __all__ = [
     "FIT_METHODS",
@@ -17,9 +17,6 @@ __all__ = [
     "noise_aware",
     "noise_gain",
     "posterior_covariance",
-    "reading_matrix",
-    "reading_noise",
-    "readings",
     "score_percent_rom",
     "score_with_noise_percent_rom",
     "wam",

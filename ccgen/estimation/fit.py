@@ -2,15 +2,15 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from ccgen.errors import InputError
 from ccgen.estimation.noise_aware import noise_aware
 from ccgen.estimation.simple import direct, equal
 from ccgen.estimation.wam import wam, wam_paper_call
-from ccgen.estimation.weights import Floats, Weights
-from ccgen.layouts import Spans
+from ccgen.estimation.weights import Weights
+from ccgen.joint.layouts import Spans
+from ccgen.sensing.noise import reading_noise
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
@@ -72,20 +72,6 @@ def fit_joint(
         library = fit_library(joint)
     method = method or joint.method
     return {axis: _fit_axis(joint, axis, method, library) for axis in ("u", "v")}
-
-
-def reading_noise(joint: "Joint", axis: str) -> Floats | None:
-    """Standard deviation of the normalised readings, shape (n,), radians; None if not stated.
-
-    A transducer's noise in metres, the same for each sensor of the axis, over p_j r: a long span
-    averages it down.
-    """
-    sensors = joint.axis(axis)
-    if sensors.transducer.noise is None:
-        return None
-    lengths = np.array([b - a + 1 for a, b in sensors.spans])
-    noise: Floats = sensors.transducer.noise / (lengths * sensors.radius)
-    return noise
 
 
 def _fit_axis(joint: "Joint", axis: str, method: str, library: "ShapeLibrary") -> Weights:

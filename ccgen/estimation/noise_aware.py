@@ -23,8 +23,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ccgen.estimation.weights import Floats, Weights, checked_noise, readings, without_intercept
-from ccgen.layouts import Spans
+from ccgen.estimation.weights import Floats, Weights, without_intercept
+from ccgen.joint.layouts import Spans
+from ccgen.sensing.noise import checked_noise
+from ccgen.sensing.readings import readings
 
 if TYPE_CHECKING:
     from ccgen.shapes import ShapeLibrary

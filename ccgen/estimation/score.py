@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ccgen.estimation.weights import Floats, Weights, checked_noise, readings
+from ccgen.estimation.weights import Floats, Weights
+from ccgen.sensing.noise import checked_noise
+from ccgen.sensing.readings import readings
 
 if TYPE_CHECKING:
     from ccgen.shapes import ShapeLibrary

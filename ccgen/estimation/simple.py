@@ -1,8 +1,9 @@
 """The two methods that need no fit: direct (DEM) and equal weights (E-WAM)."""
 
 from ccgen.errors import InputError
-from ccgen.estimation.weights import Floats, Weights, reading_matrix, without_intercept
-from ccgen.layouts import Spans
+from ccgen.estimation.weights import Floats, Weights, without_intercept
+from ccgen.joint.layouts import Spans
+from ccgen.sensing.readings import reading_matrix
 
 
 def direct(segments: int, spans: Spans) -> Weights:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ccgen.estimation.soft_l1 import minimise, soft_l1
-from ccgen.estimation.weights import Floats, SpansLike, Weights, readings, without_intercept
-from ccgen.layouts import Spans
+from ccgen.estimation.weights import Floats, Weights, without_intercept
+from ccgen.joint.layouts import Spans
+from ccgen.sensing.readings import SpansLike, readings
 
 if TYPE_CHECKING:
     from ccgen.shapes import ShapeLibrary

@@ -9,16 +9,12 @@ from ccgen import FORMAT_VERSION, __version__
 from ccgen.can.layout import FrameLayout
 from ccgen.can.load import load_percent
 from ccgen.digits import at_least
-from ccgen.estimation import (
-    Weights,
-    noise_gain,
-    reading_noise,
-    score_percent_rom,
-    score_with_noise_percent_rom,
-)
+from ccgen.estimation import Weights, noise_gain, score_percent_rom, score_with_noise_percent_rom
 from ccgen.export import vectors
-from ccgen.fixedpoint import AxisModel, FixedPointModel, counts_of
+from ccgen.fixedpoint import AxisModel, FixedPointModel
 from ccgen.joint import AXES, Joint
+from ccgen.sensing.counts import counts_of
+from ccgen.sensing.noise import reading_noise
 from ccgen.shapes import ShapeLibrary
 
 SHAPE_VECTORS = 8

@@ -15,7 +15,8 @@ from ccgen.export.dbc import dbc_text
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
 from ccgen.fixedpoint import FixedPointModel, model_json, quantise
-from ccgen.joint import AXES, Joint, read_joint
+from ccgen.joint import AXES, Joint
+from ccgen.joint.file import read_joint
 from ccgen.outputs import new_folder
 from ccgen.shapes import fit_library, score_library
 

@@ -2,15 +2,13 @@
 
 from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.model import AxisModel, FixedPointModel
-from ccgen.fixedpoint.ranges import count_range, counts_of, lengths_per_radian
+from ccgen.fixedpoint.ranges import count_range
 from ccgen.fixedpoint.storage import load_model, model_json
 
 __all__ = [
     "AxisModel",
     "FixedPointModel",
     "count_range",
-    "counts_of",
-    "lengths_per_radian",
     "load_model",
     "model_json",
     "quantise",

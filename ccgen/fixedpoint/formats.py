@@ -16,15 +16,9 @@ from ccgen.errors import FormatError
 from ccgen.estimation import Weights
 from ccgen.fixedpoint import bounds
 from ccgen.fixedpoint.model import AxisModel, FixedPointModel, Floats, Integers
-from ccgen.fixedpoint.ranges import (
-    MARGIN,
-    CountRange,
-    count_gains,
-    count_range,
-    counts_of,
-    sensor_place,
-)
+from ccgen.fixedpoint.ranges import MARGIN, CountRange, count_gains, count_range, sensor_place
 from ccgen.joint import AXES, Joint
+from ccgen.sensing.counts import counts_of
 from ccgen.shapes import ShapeLibrary
 
 

@@ -6,9 +6,10 @@ import numpy as np
 
 from ccgen.digits import at_least, at_most
 from ccgen.errors import FormatError
-from ccgen.estimation import Weights, readings
+from ccgen.estimation import Weights
 from ccgen.fixedpoint.model import Floats, Integers
 from ccgen.joint import AxisSensors, Joint
+from ccgen.sensing.counts import counts_of, length_changes, lengths_per_radian
 from ccgen.shapes import ShapeLibrary
 
 MARGIN = 1.25
@@ -31,28 +32,10 @@ class CountRange:
         return self.maximum - self.minimum
 
 
-def lengths_per_radian(sensors: AxisSensors) -> Floats:
-    """Length change in metres per radian of normalised reading, p_j r; shape (n,)."""
-    return np.array([(b - a + 1) * sensors.radius for a, b in sensors.spans])
-
-
 def count_gains(weights: Weights, sensors: AxisSensors) -> Floats:
     """Angle in rad per count, shape (m, n): eq. (5) with eqs. (1), (2) folded in."""
     step = sensors.transducer.metres_per_count
     return weights.matrix * (step / lengths_per_radian(sensors))
-
-
-def counts_of(sensors: AxisSensors, angles: Floats) -> Integers:
-    """Counts that ideal transducers read at these shapes, zero at the straight pose.
-
-    Args:
-        sensors: spans, radius and transducer.
-        angles: shape (k, m), rad.
-
-    Returns:
-        Shape (k, n).
-    """
-    return np.rint(_lengths(sensors, angles) / sensors.transducer.metres_per_count).astype(np.int64)
 
 
 def count_range(joint: Joint, axis: str, library: ShapeLibrary) -> CountRange:
@@ -67,7 +50,7 @@ def count_range(joint: Joint, axis: str, library: ShapeLibrary) -> CountRange:
     if sensors.transducer.range is not None:
         return _declared_range(joint, axis, needed, *sensors.transducer.range)
     wanted = np.ceil(needed * MARGIN).astype(np.int64)
-    moves = np.abs(_lengths(sensors, library.angles)).max(axis=0)
+    moves = np.abs(length_changes(sensors, library.angles)).max(axis=0)
     most, least = int(np.argmax(moves)), int(np.argmin(moves))
     if wanted[most] > _count_limit(sensors.transducer.bits):
         raise FormatError(_too_fine(joint, axis, most, int(wanted[most]), float(moves[most])))
@@ -123,8 +106,3 @@ def sensor_place(joint: Joint, axis: str, key: str, j: int) -> str:
     a, b = sensors.spans[j]
     place = f"{joint.source}: {sensors.transducer.key(axis, key)}"
     return f"{place}: sensor {j} of axis {axis} (span [{a}, {b}])"
-
-
-def _lengths(sensors: AxisSensors, angles: Floats) -> Floats:
-    """Changes of length in metres at these shapes; shape (k, n)."""
-    return np.asarray(readings(angles, sensors.spans) * lengths_per_radian(sensors))

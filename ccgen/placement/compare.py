@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ccgen.layouts import Spans
+from ccgen.joint.layouts import Spans
 from ccgen.placement.certificate import Certificate
 from ccgen.placement.cost import Floats, Indices
 from ccgen.placement.problem import Problem, as_spans

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.errors import InputError
-from ccgen.layouts import Spans
+from ccgen.joint.layouts import Spans
 
 Indices = NDArray[np.intp]
 

@@ -19,7 +19,7 @@ from deap import algorithms, base, tools
 from deap.tools import crossover, mutation, selection
 
 from ccgen.errors import InputError
-from ccgen.layouts import Spans, heuristic
+from ccgen.joint.layouts import Spans, heuristic
 from ccgen.placement.compare import best_of
 from ccgen.placement.cost import Floats, Indices
 from ccgen.placement.problem import Placement, Problem

@@ -1,7 +1,7 @@
 """Placements by the name of the method."""
 
 from ccgen.errors import InputError
-from ccgen.layouts import LAYOUTS, spans_for
+from ccgen.joint.layouts import LAYOUTS, spans_for
 from ccgen.placement.evolution import Evolution, evolve
 from ccgen.placement.problem import Placement, Problem
 from ccgen.placement.search import Search, search

@@ -9,16 +9,16 @@ import numpy as np
 from ccgen.errors import InputError
 from ccgen.estimation import (
     noise_aware,
-    readings,
     score_percent_rom,
     score_with_noise_percent_rom,
     wam,
     wam_matrix,
 )
 from ccgen.estimation.weights import Weights
-from ccgen.layouts import Spans
+from ccgen.joint.layouts import Spans
 from ccgen.placement.constraints import Constraints
 from ccgen.placement.cost import CostModel, Floats, Indices, cost_model
+from ccgen.sensing.readings import readings
 from ccgen.shapes import ShapeLibrary, fit_library, score_library
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ccgen.errors import InputError
-from ccgen.layouts import Spans, end_to_end, heuristic
+from ccgen.joint.layouts import Spans, end_to_end, heuristic
 from ccgen.placement.bound import lower_bound
 from ccgen.placement.compare import best_of, within
 from ccgen.placement.cost import Indices

@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ccgen.estimation import Weights, fit_weights, readings
-from ccgen.joint import Joint, parse_joint
-from ccgen.layouts import end_to_end
+from ccgen.estimation import Weights, fit_weights
+from ccgen.figures.case_study import case_study_figure
+from ccgen.figures.style import Floats, planar_curve
+from ccgen.joint import Joint
+from ccgen.joint.file import parse_joint
+from ccgen.joint.layouts import end_to_end
+from ccgen.sensing.readings import readings
 from ccgen.shapes import fit_library, single_shape
-from ccgen.study.figures import Floats, case_study_figure, planar_curve
 from ccgen.study.tables import to_csv
 
 if TYPE_CHECKING:

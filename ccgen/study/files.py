@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ccgen.figures.style import figure_bytes
+from ccgen.figures.table import table_figure
 from ccgen.outputs import write_file
 from ccgen.study.figure7 import figure7, figure7_csv
 from ccgen.study.figure8 import figure8, figure8_csv
-from ccgen.study.figures import figure_bytes
 from ccgen.study.report import difference, number, report
 from ccgen.study.run import Record
-from ccgen.study.table_figure import table_figure
 from ccgen.study.tables import (
     Row,
     decrease_csv,

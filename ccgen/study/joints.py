@@ -9,7 +9,7 @@ import numpy as np
 
 from ccgen.errors import InputError
 from ccgen.estimation import direct, equal, score_percent_rom, wam, wam_paper_call
-from ccgen.layouts import Spans, end_to_end, heuristic, single
+from ccgen.joint.layouts import Spans, end_to_end, heuristic, single
 from ccgen.placement import Evolution, Placement, Problem, Search, evolve, search
 from ccgen.shapes import ShapeLibrary, beyond_fold, shape_library
 from ccgen.study.paper import (

@@ -7,7 +7,8 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parents[1]
 
 _SOURCES = (
-    *("beam.py", "elastica.py", "joint.py", "layouts.py", "shapes.py"),
+    *("joint/__init__.py", "joint/layouts.py", "joint/specification.py", "shapes"),
+    *("sensing/__init__.py", "sensing/noise.py", "sensing/readings.py"),
     *("estimation", "placement", "study/joints.py", "study/paper.py"),
 )
 """What `ccgen.study.joints` needs of this package, errors' texts aside."""

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen import kinematics
-from ccgen.can import sensors
+from ccgen.sensing.counts import corner_counts, random_counts
+from ccgen.targets.exported import Exported
+from ccgen.targets.inputs import shape_counts
+from ccgen.targets.library import JointLibrary
 from ccgen.verify.compare import angles_in_radians
-from ccgen.verify.exported import Exported
-from ccgen.verify.inputs import shape_counts
-from ccgen.verify.library import JointLibrary
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 
@@ -68,10 +68,10 @@ def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, repor
 def _wrong_angles(exported: Exported, library: JointLibrary, seed: int, size: int) -> int:
     """Mismatches in a block whose zero is a corner or drawn over the whole range."""
     axes = (exported.model.u, exported.model.v)
-    corners = sensors.corner_counts(axes)
-    zeros = np.concatenate([corners, sensors.random_counts(axes, len(corners), seed)])
+    corners = corner_counts(axes)
+    zeros = np.concatenate([corners, random_counts(axes, len(corners), seed)])
     zero = zeros[seed % len(zeros)]
-    counts = np.concatenate([corners, sensors.random_counts(axes, size, seed + 1)])[:size]
+    counts = np.concatenate([corners, random_counts(axes, size, seed + 1)])[:size]
     angles, results = library.estimate(counts, zero)
     right = exported.model.estimate(counts, zero)
     angles[results != 0] = ~right[results != 0]

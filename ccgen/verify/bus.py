@@ -5,8 +5,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.can.exchange import Answer, Pace, exchange
+from ccgen.targets.exported import Exported
 from ccgen.verify.compare import compare_exchange
-from ccgen.verify.exported import Exported
 from ccgen.verify.plan import Progress
 from ccgen.verify.run import Run
 

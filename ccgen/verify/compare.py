@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ccgen import kinematics
 from ccgen.can.exchange import Exchange
-from ccgen.verify.exported import Exported
+from ccgen.targets.exported import Exported
 from ccgen.verify.run import Run
 
 Integers = NDArray[np.int64]

@@ -10,12 +10,12 @@ import can
 from ccgen.can.exchange import Pace
 from ccgen.can.transports.library import library_node
 from ccgen.can.transports.process import process_node
+from ccgen.targets.build import LEVEL, build_process, build_shared
+from ccgen.targets.exported import Exported
+from ccgen.targets.inputs import bus_counts
+from ccgen.targets.library import JointLibrary
 from ccgen.verify.batch import compare_batches
-from ccgen.verify.build import LEVEL, build_process, build_shared
 from ccgen.verify.bus import verify_bus
-from ccgen.verify.exported import Exported
-from ccgen.verify.inputs import bus_counts
-from ccgen.verify.library import JointLibrary
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 

@@ -1,13 +1,15 @@
 """Targets by name: the host, or a microcontroller's core in an emulator."""
 
 from ccgen.errors import InputError
-from ccgen.verify import host, targets
-from ccgen.verify.build import LEVEL
-from ccgen.verify.exported import Exported
+from ccgen.targets.build import LEVEL
+from ccgen.targets.cores import CORES
+from ccgen.targets.exported import Exported
+from ccgen.verify import host
+from ccgen.verify.emulated import verify_core
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 
-TARGETS = ("host", *targets.TARGETS)
+TARGETS = ("host", *CORES)
 
 
 def verify_target(
@@ -21,6 +23,6 @@ def verify_target(
     """
     if target not in TARGETS:
         raise InputError(f"--target {target}: unknown; known: {', '.join(TARGETS)}")
-    if target in targets.TARGETS:
-        return targets.verify_target(exported, target, plan, report, level)
+    if target in CORES:
+        return verify_core(exported, target, plan, report, level)
     return host.verify(exported, plan, report, level)

@@ -18,8 +18,8 @@ from ccgen.cost.emulator import CORES, Program
 from ccgen.cost.instructions import count_estimates
 from ccgen.cost.stack import read_disassembly, read_frames, worst_case
 from ccgen.export.package import export
-from ccgen.verify.exported import Exported, open_exported
-from ccgen.verify.targets import cross
+from ccgen.targets import cores as cross
+from ccgen.targets.exported import Exported, open_exported
 
 JOINTS = ((24, 3, 16), (48, 6, 16), (24, 3, 32), (48, 6, 32))
 """Segments, sensors an axis, precision."""

@@ -24,7 +24,7 @@ from unicorn import arm_const
 from ccgen import kinematics, resources
 from ccgen.export.casadi_c import float_literal
 from ccgen.export.kinematics_c import advance_function, degrees, kinematics_context
-from ccgen.kinematics_bounds import error_bounds, largest_angle
+from ccgen.kinematics.bounds import error_bounds, largest_angle
 
 SEGMENT_LENGTH = 0.02
 FRACTION_BITS = {"u": 18, "v": 18}

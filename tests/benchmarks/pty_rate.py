@@ -12,9 +12,9 @@ from pathlib import Path
 from ccgen.can.exchange import Exchange, Pace, exchange
 from ccgen.can.transports.process import process_node
 from ccgen.export.package import export
-from ccgen.verify.build import build_process
-from ccgen.verify.exported import Exported, open_exported
-from ccgen.verify.inputs import bus_counts
+from ccgen.targets.build import build_process
+from ccgen.targets.exported import Exported, open_exported
+from ccgen.targets.inputs import bus_counts
 
 SHOULDER = Path(__file__).resolve().parents[2] / "examples" / "shoulder.toml"
 RATE_HZ = 500

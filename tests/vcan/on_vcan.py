@@ -20,9 +20,9 @@ from ccgen.can.layout import FrameLayout
 from ccgen.can.transports.interface import interface_node
 from ccgen.cli.main import main
 from ccgen.errors import InputError
+from ccgen.targets.exported import Exported, open_exported
+from ccgen.targets.inputs import bus_counts
 from ccgen.verify.bus import verify_bus
-from ccgen.verify.exported import Exported, open_exported
-from ccgen.verify.inputs import bus_counts
 from ccgen.verify.plan import silent
 
 FOLDER = Path("/run/vcan")

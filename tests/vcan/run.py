@@ -15,7 +15,7 @@ from itertools import product
 from pathlib import Path
 
 from ccgen.export.package import export
-from ccgen.verify.build import FLAGS, compiler, sources
+from ccgen.targets.build import FLAGS, compiler, sources
 
 HERE = Path(__file__).resolve().parent
 EXAMPLES = HERE.parents[1] / "examples"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ccgen.errors import InputError, ToolError
-from ccgen.verify.build import WARNINGS, compiler, run_compiler, sources
+from ccgen.targets.build import WARNINGS, compiler, run_compiler, sources
 
 FLAGS = ("-std=c99", "-g", "-ffunction-sections", "-fdata-sections", "-ffp-contract=off", *WARNINGS)
 

@@ -14,7 +14,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ccgen.elastica import (
+from ccgen.errors import ReachError
+from ccgen.shapes.elastica import (
     NODES,
     QUADRATURE,
     SIZE,
@@ -26,7 +27,6 @@ from ccgen.elastica import (
     load_row,
     solve,
 )
-from ccgen.errors import ReachError
 
 END_FORCE = LoadCase("end-force", force=1.0)
 UNIFORM = LoadCase("uniform", uniform=1.0)

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from ccgen.errors import ToolError
 from ccgen.export import vectors
-from ccgen.verify.build import LEVEL
+from ccgen.targets.build import LEVEL
+from ccgen.targets.cores import build, core_named, require_tools
+from ccgen.targets.emulator import run_to_end
+from ccgen.targets.exported import Exported
 from ccgen.verify.compare import tip_positions
-from ccgen.verify.exported import Exported
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
-from ccgen.verify.targets.cross import build, core_named, require_tools
-from ccgen.verify.targets.emulator import run_to_end
 
 BLOCK = 256
 """Snapshots a checksum."""

@@ -3,8 +3,8 @@
 import platform
 
 from ccgen.errors import InputError
-from ccgen.verify.targets.cross import CORES as MICROCONTROLLERS
-from ccgen.verify.targets.cross import Core, Tool
+from ccgen.targets.cores import CORES as MICROCONTROLLERS
+from ccgen.targets.cores import Core, Tool
 
 HOST = "host"
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.fixedpoint import counts_of
 from ccgen.joint import Joint
 from ccgen.kinematics import U_SENSOR_ANGLE, V_SENSOR_ANGLE, tendon_length, tip_pose
+from ccgen.sensing.counts import counts_of
 from ccgen.shapes import single_shape
 
 Floats = NDArray[np.float64]

@@ -9,8 +9,9 @@ from ccgen.can.layout import FrameLayout, layout_for
 from ccgen.errors import InputError
 from ccgen.export.manifest import changed_files, read_manifest
 from ccgen.fixedpoint import FixedPointModel, load_model
-from ccgen.joint import AXES, Joint, read_joint
-from ccgen.kinematics_bounds import ErrorBounds, error_bounds, largest_angle
+from ccgen.joint import AXES, Joint
+from ccgen.joint.file import read_joint
+from ccgen.kinematics.bounds import ErrorBounds, error_bounds, largest_angle
 
 if TYPE_CHECKING:
     from ccgen.can.codec import Codec

@@ -3,18 +3,10 @@
 import numpy as np
 import pytest
 
-from ccgen.can.sensors import (
-    SOURCES,
-    Motion,
-    case_motion,
-    corner_counts,
-    counts,
-    motion,
-    random_counts,
-    sweep_motion,
-)
-from ccgen.fixedpoint import AxisModel, FixedPointModel
+from ccgen.fixedpoint import AxisModel
 from ccgen.joint import AxisSensors, Can, Geometry, Joint, Shapes, Transducer
+from ccgen.sensing.counts import corner_counts, counts, random_counts
+from ccgen.sensing.motion import SOURCES, Motion, case_motion, motion, sweep_motion
 from ccgen.shapes import ShapeLibrary
 
 SEGMENTS, ROM = 12, np.radians(3.0)
@@ -43,7 +35,6 @@ def axis_model(name, minimum, maximum, zero):
 
 U = axis_model("u", [-9000, -8000, -9000], [9000, 8000, 9000], [0, 100, -7])
 V = axis_model("v", [-50, -60, -70], [70, 60, 50], [0, 0, 0])
-MODEL = FixedPointModel("shoulder", 16, U, V)
 SENSORS = AxisSensors(SPANS, 0.05, Transducer(16, 2e-6, None, None), "heuristic")
 JOINT = Joint(
     name="shoulder",
@@ -109,7 +100,7 @@ def test_an_unknown_source_is_refused():
 
 def test_counts_are_the_span_angle_times_radius_over_the_step():
     angles = np.arange(SEGMENTS) * 1e-3
-    result = counts(JOINT, MODEL, Motion(angles[None], 0 * angles[None]))
+    result = counts(JOINT, (U, V), Motion(angles[None], 0 * angles[None]))
     sums = [angles[a : b + 1].sum() for a, b in SPANS]
     wanted = [round(0.05 * s / 2e-6) + z for s, z in zip(sums, [0, 100, -7], strict=True)]
     assert result.tolist() == [[*wanted, 0, 0, 0]]
@@ -117,7 +108,9 @@ def test_counts_are_the_span_angle_times_radius_over_the_step():
 
 def test_counts_are_clipped_to_the_declared_range():
     full = np.full((1, SEGMENTS), ROM)
-    assert counts(JOINT, MODEL, Motion(full, -full)).tolist() == [[6545, 7954, 6538, -50, -60, -70]]
+    assert counts(JOINT, (U, V), Motion(full, -full)).tolist() == [
+        [6545, 7954, 6538, -50, -60, -70]
+    ]
 
 
 def test_random_counts_fill_the_range_and_both_its_ends():

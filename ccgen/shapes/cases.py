@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ccgen import beam
 from ccgen.errors import InputError, ReachError
 from ccgen.joint import CASES, Joint
+from ccgen.shapes import beam
 
 FloatArray = NDArray[np.float64]
 

@@ -1,22 +1,13 @@
-"""Simulated length sensors: sequences of shapes, and the counts that ideal transducers give.
+"""A joint in motion: shapes that change smoothly from one snapshot to the next."""
 
-Two kinds of input serve two questions. Shapes that a joint takes, moving from one snapshot to the
-next, show how well the estimate follows; counts without a shape, random or at the corners of the
-declared range, prove that target and reference model agree wherever they are used.
-"""
-
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.fixedpoint import AxisModel, FixedPointModel, counts_of
-from ccgen.joint import AxisSensors, Joint
 from ccgen.shapes import ShapeLibrary
 
-Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 SOURCES = ("cases", "random", "sweep")
@@ -107,50 +98,6 @@ def sweep_motion(library: ShapeLibrary, turns: Floats) -> Motion:
     u = amplitude * np.cos(8 * np.pi * turns)
     v = amplitude * np.sin(8 * np.pi * turns)
     return Motion(np.repeat(u[:, None], segments, axis=1), np.repeat(v[:, None], segments, axis=1))
-
-
-def counts(joint: Joint, model: FixedPointModel, shapes: Motion) -> Integers:
-    """What ideal transducers count at these shapes, clipped to their range.
-
-    Returns:
-        Shape (k, nu + nv), u sensors first.
-    """
-    return np.concatenate(
-        [_axis_counts(joint.u, model.u, shapes.u), _axis_counts(joint.v, model.v, shapes.v)], axis=1
-    )
-
-
-def random_counts(axes: Sequence[AxisModel], count: int, seed: int = 0) -> Integers:
-    """Counts spread evenly over the whole declared range; shape (count, sum of sensors)."""
-    random = np.random.default_rng(seed)
-    parts = [
-        random.integers(axis.minimum, axis.maximum, (count, axis.sensors), endpoint=True)
-        for axis in axes
-    ]
-    return np.concatenate(parts, axis=1)
-
-
-def corner_counts(axes: Sequence[AxisModel]) -> Integers:
-    """Every corner of every axis' declared range, at least once each; shape (k, sum of sensors).
-
-    All axes turn their corners at the same time, for they do not meet in any angle; the last two
-    rows are the zeros and the zeros' neighbours.
-    """
-    rows = 2 ** max(axis.sensors for axis in axes)
-    return np.concatenate([_axis_corners(axis, rows) for axis in axes], axis=1)
-
-
-def _axis_corners(axis: AxisModel, rows: int) -> Integers:
-    ends = list(zip(axis.minimum.tolist(), axis.maximum.tolist(), strict=True))
-    corners = np.array(list(product(*ends)), dtype=np.int64)
-    beside = np.minimum(axis.zero + 1, axis.maximum)
-    turned = np.resize(corners, (rows, axis.sensors))
-    return np.concatenate([turned, axis.zero[None, :], beside[None, :]])
-
-
-def _axis_counts(sensors: AxisSensors, axis: AxisModel, angles: Floats) -> Integers:
-    wanted = axis.zero + counts_of(sensors, angles)
-    return np.asarray(np.clip(wanted, axis.minimum, axis.maximum), dtype=np.int64)
 
 
 def _tour(library: ShapeLibrary) -> Floats:

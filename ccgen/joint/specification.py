@@ -1,14 +1,13 @@
 """The specification of a joint: what every later stage reads, and nothing that computes.
 
 Angles are in radians and lengths in metres here; `joint.toml` holds degrees and metres. Reading
-and checking that file is the business of `ccgen.joint_file`, which is imported when a file is
+and checking that file is the business of `ccgen.joint.file`, which is imported when a file is
 read: importing this module costs nothing.
 """
 
 from dataclasses import dataclass, field
-from pathlib import Path
 
-from ccgen.layouts import Spans
+from ccgen.joint.layouts import Spans
 
 AXES = ("u", "v")
 """The bending axes: u about local x, v about local y."""
@@ -117,25 +116,3 @@ class Joint:
         if name not in AXES:
             raise ValueError(f"unknown axis {name!r}; known: {', '.join(AXES)}")
         return self.u if name == "u" else self.v
-
-
-def read_joint(path: Path) -> Joint:
-    """Read and check a joint file.
-
-    Raises:
-        InputError: in one line the file, the key (or line), what is wrong, what would be right.
-    """
-    from ccgen.joint_file import read
-
-    return read(path)
-
-
-def parse_joint(text: str, source: str) -> Joint:
-    """Check the text of a joint file; `source` names it in messages.
-
-    Raises:
-        InputError: as `read_joint`.
-    """
-    from ccgen.joint_file import parse
-
-    return parse(text, source)

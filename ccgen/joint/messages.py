@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ValidationError
 
-from ccgen.joint_file.tables import JointTable
+from ccgen.joint.tables import JointTable
 
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.can import sensors
-from ccgen.can.sensors import Motion
+from ccgen.sensing.counts import corner_counts, counts, random_counts
+from ccgen.sensing.motion import Motion
 from ccgen.shapes import fit_library
-from ccgen.verify.exported import Exported
+from ccgen.targets.exported import Exported
 
 Integers = NDArray[np.int64]
 
@@ -23,11 +23,13 @@ def bus_counts(exported: Exported, snapshots: int, seed: int) -> Integers:
         Shape (snapshots, nu + nv).
     """
     axes = (exported.model.u, exported.model.v)
-    fixed = np.concatenate([shape_counts(exported), sensors.corner_counts(axes)])[:snapshots]
-    return np.concatenate([fixed, sensors.random_counts(axes, snapshots - len(fixed), seed)])
+    fixed = np.concatenate([shape_counts(exported), corner_counts(axes)])[:snapshots]
+    return np.concatenate([fixed, random_counts(axes, snapshots - len(fixed), seed)])
 
 
 def shape_counts(exported: Exported) -> Integers:
     """Counts of the shape library, the v axis bent by each shape's mirror image."""
     angles = fit_library(exported.joint).angles
-    return sensors.counts(exported.joint, exported.model, Motion(angles, -angles[::-1]))
+    return counts(
+        exported.joint, (exported.model.u, exported.model.v), Motion(angles, -angles[::-1])
+    )

@@ -2,7 +2,7 @@
 
 A field's `description` completes "write ..." in messages and its first example is what such a
 message shows, so both stand beside the bounds they explain. What concerns several keys at once is
-checked in `ccgen.joint_file.sensors` and `ccgen.joint_file.build`.
+checked in `ccgen.joint.sensors` and `ccgen.joint.file`.
 """
 
 from typing import Annotated, Literal

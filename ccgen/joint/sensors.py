@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from ccgen.joint import AxisSensors, Transducer
-from ccgen.joint_file.messages import KeyProblemError, missing_key
-from ccgen.joint_file.tables import AxisTable, SensorsTable, TransducerTable
-from ccgen.layouts import Span, Spans, spans_for
+from ccgen.joint.layouts import Span, Spans, spans_for
+from ccgen.joint.messages import KeyProblemError, missing_key
+from ccgen.joint.specification import AxisSensors, Transducer
+from ccgen.joint.tables import AxisTable, SensorsTable, TransducerTable
 
 _DEFAULT_BITS = 16
 _DEFAULT_COUNT = 3

@@ -9,18 +9,22 @@ from typing import Any
 from pydantic import ValidationError
 
 from ccgen.errors import InputError
-from ccgen.joint import AXES, AxisSensors, Can, Geometry, Joint, Shapes
-from ccgen.joint_file.messages import KeyProblemError, first_problem, toml_value
-from ccgen.joint_file.names import LONGEST_NAME, name_problem
-from ccgen.joint_file.sensors import axis_sensors
-from ccgen.joint_file.tables import CanTable, JointTable, ShapesTable
+from ccgen.joint.messages import KeyProblemError, first_problem, toml_value
+from ccgen.joint.names import LONGEST_NAME, name_problem
+from ccgen.joint.sensors import axis_sensors
+from ccgen.joint.specification import AXES, AxisSensors, Can, Geometry, Joint, Shapes
+from ccgen.joint.tables import CanTable, JointTable, ShapesTable
 
 _INIT_HINT = "`ccgen init NAME` writes one that works"
 _LARGEST_FILE = 1_000_000
 
 
-def read(path: Path) -> Joint:
-    """Read and check a joint file; see `ccgen.joint.read_joint`."""
+def read_joint(path: Path) -> Joint:
+    """Read and check a joint file.
+
+    Raises:
+        InputError: in one line the file, the key (or line), what is wrong, what would be right.
+    """
     try:
         with path.open("rb") as file:
             data = file.read(_LARGEST_FILE + 1)
@@ -32,11 +36,15 @@ def read(path: Path) -> Joint:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if len(data) > _LARGEST_FILE:
         raise InputError(f"{path}: more than {_LARGEST_FILE} bytes are no joint file; {_INIT_HINT}")
-    return parse(_decoded(data, str(path)), str(path))
+    return parse_joint(_decoded(data, str(path)), str(path))
 
 
-def parse(text: str, source: str) -> Joint:
-    """Check the text of a joint file; see `ccgen.joint.parse_joint`."""
+def parse_joint(text: str, source: str) -> Joint:
+    """Check the text of a joint file; `source` names it in messages.
+
+    Raises:
+        InputError: as `read_joint`.
+    """
     document = _document(text, source)
     try:
         return _joint(JointTable.model_validate(document), source)

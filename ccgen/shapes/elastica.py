@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 
 NODES = 64
-"""Resolves angles to about 1e-12 up to loads of 50 and 1e-9 at the limits in `ccgen.beam`."""
+"""Resolves angles to about 1e-12 up to loads of 50 and 1e-9 at `shapes.beam`'s limits."""
 
 SIZE = NODES + 2
 """Length of a state."""

@@ -1,0 +1,33 @@
+"""One shape with its sensors."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ccgen.figures.style import POINTS_PER_SEGMENT, label_curve, new_figure, planar_curve, styled
+from ccgen.joint import Joint
+from ccgen.sensing.readings import readings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ccgen.sensing.simulation import Simulation
+
+
+@styled
+def shape_figure(joint: Joint, simulation: "Simulation", axis: str = "u") -> "Figure":
+    """Draw the bent axis of a simulated joint: its curve, its angles and the sensors' readings."""
+    angles = simulation.u.angles if axis == "u" else simulation.v.angles
+    figure, (curve, profile) = new_figure((7.0, 4.0), 2)
+    deflection, height = planar_curve(angles, joint.geometry.segment_length)
+    curve.plot(deflection, height, color="#000000")
+    curve.plot(deflection[::POINTS_PER_SEGMENT], height[::POINTS_PER_SEGMENT], "k.")
+    label_curve(curve, f"{joint.name}, bent in {axis}")
+    profile.stairs(np.degrees(angles), baseline=None, color="#000000", label="segment angle")
+    means = readings(angles, joint.axis(axis).spans)
+    for j, ((a, b), mean) in enumerate(zip(joint.axis(axis).spans, means, strict=True)):
+        label = "sensor: mean over its span" if j == 0 else None
+        profile.plot([a, b + 1], np.degrees([mean, mean]), color="#D55E00", label=label)
+    profile.set(title="Angles", xlabel="segment", ylabel="degrees")
+    figure.legend(loc="outside lower center", ncols=2)
+    return figure

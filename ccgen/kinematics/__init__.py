@@ -1,0 +1,21 @@
+"""The joint's kinematics (uvh): poses, Jacobian, tendon lengths, and how exact they are in C."""
+
+from ccgen.kinematics.uvh import (
+    U_SENSOR_ANGLE,
+    V_SENSOR_ANGLE,
+    chain,
+    segment_transform,
+    tendon_length,
+    tip_jacobian,
+    tip_pose,
+)
+
+__all__ = [
+    "U_SENSOR_ANGLE",
+    "V_SENSOR_ANGLE",
+    "chain",
+    "segment_transform",
+    "tendon_length",
+    "tip_jacobian",
+    "tip_pose",
+]
