@@ -73,6 +73,21 @@ def test_every_file_compiles_without_a_warning(exported, name, compiler):
 
 
 @pytest.mark.parametrize("name", ["finger", "trunk"])
+def test_headers_are_free_of_casts_that_a_project_in_cxx_refuses(exported, name, tmp_path):
+    root = exported / name
+    headers = [*root.glob("src/*.h"), *root.glob("selftest/*.h"), *root.glob("ports/*.h")]
+    file = tmp_path / "all.cpp"
+    file.write_text("".join(f'#include "{header.name}"\n' for header in headers))
+    command = [
+        "g++", *CPP_WARNINGS, "-Wold-style-cast", "-Wuseless-cast", "-Wextra-semi",
+        *(f"-I{root / folder}" for folder in ("src", "selftest", "ports")),
+        "-c", file, "-o", os.devnull,
+    ]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("name", ["finger", "trunk"])
 @pytest.mark.parametrize("level", ["-O0", "-Os", "-O2", "-O3"])
 def test_the_selftest_passes_and_a_wrong_weight_fails_it(exported, name, level, tmp_path):
     root = exported / name

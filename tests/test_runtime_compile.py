@@ -11,6 +11,17 @@ from ccgen.resources import firmware
 LIBRARY = (*RUNTIME, *GLUE, SAMPLE / "sample.c", PORTS / "shared" / "shared.c")
 PROGRAMS = (PORTS / "posix" / "main.c", PORTS / "socketcan" / "main.c")
 HEADERS = tuple(sorted((firmware() / "include" / "ccgen").glob("*.h")))
+STRICT = (
+    "-Wlogical-op", "-Wduplicated-cond", "-Wredundant-decls", "-Wcast-qual", "-Wcast-align=strict",
+    "-Wwrite-strings", "-Wformat=2", "-Wbad-function-cast", "-Wstrict-prototypes",
+    "-Wold-style-definition", "-Wnull-dereference", "-Wjump-misses-init",
+)  # fmt: skip
+"""Warnings of gcc that projects turn on beyond those of every compiler."""
+STRICT_CXX = (
+    "-Wold-style-cast", "-Wuseless-cast", "-Wzero-as-null-pointer-constant", "-Wextra-semi",
+    "-Wlogical-op",
+)  # fmt: skip
+"""What projects in C++ turn on for the headers that they include."""
 
 
 def compile_each(folder: Path, compiler: str, language: tuple[str, ...], *files: Path) -> None:
@@ -35,6 +46,20 @@ def test_every_header_compiles_on_its_own_and_twice(language, tmp_path):
         file.write_text(f'#include "ccgen/{header.name}"\n' * 2 + "extern int nothing;\n")
         files.append(file)
     compile_each(tmp_path, COMPILERS[0], language, *files)
+
+
+@pytest.mark.parametrize(
+    "file", [*LIBRARY, *PROGRAMS], ids=lambda file: f"{file.parent.name}/{file.name}"
+)
+def test_no_source_meets_a_warning_that_only_some_projects_turn_on(file, tmp_path):
+    compile_each(tmp_path, "gcc", (*C99, *STRICT), file)
+
+
+@pytest.mark.parametrize("standard", ["c++11", "c++14", "c++20"])
+def test_headers_are_free_of_casts_that_a_project_in_cxx_refuses(standard, tmp_path):
+    file = tmp_path / "all.cpp"
+    file.write_text("".join(f'#include "ccgen/{header.name}"\n' for header in HEADERS))
+    compile_each(tmp_path, "g++", (f"-std={standard}", *STRICT_CXX), file)
 
 
 def test_runtime_needs_no_library_headers():

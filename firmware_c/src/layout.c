@@ -124,8 +124,16 @@ void ccgen_put_signed(uint8_t *const data, const uint8_t bytes, const int32_t va
     }
 }
 
+/** \return whether a signal may have so many bytes. */
+static bool bytes_valid(const uint8_t bytes) {
+    return (bytes >= 1u) && (bytes <= 4u);
+}
+
 int32_t ccgen_get_signed(const uint8_t *const data, const uint8_t bytes) {
     uint32_t word = 0;
+    if (!bytes_valid(bytes)) {
+        return 0;
+    }
     for (uint8_t i = bytes; i > 0u; --i) {
         word = (word << 8) | data[i - 1u];
     }
@@ -134,6 +142,9 @@ int32_t ccgen_get_signed(const uint8_t *const data, const uint8_t bytes) {
 }
 
 int32_t ccgen_no_reading(const uint8_t bytes) {
+    if (!bytes_valid(bytes)) {
+        return 0;
+    }
     const uint32_t sign = (uint32_t)1u << (8u * bytes - 1u);
     return ccgen_signed32(0u - sign);
 }

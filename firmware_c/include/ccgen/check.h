@@ -19,6 +19,13 @@
 #define CCGEN_STATIC_ASSERT(cond, name) typedef char ccgen_assert_##name[(cond) ? 1 : -1]
 #endif
 
+/** Converts a number by the cast of either language. */
+#if defined(__cplusplus)
+#define CCGEN_CAST(type, value) static_cast<type>(value)
+#else
+#define CCGEN_CAST(type, value) ((type)(value))
+#endif
+
 /**
  * An inline function that is specialised for the constants it is called with. Not forced where the
  * compiler does not optimise: nothing would fold, and every variant of a kernel would be inlined.
@@ -82,7 +89,7 @@ CCGEN_STATIC_ASSERT(sizeof(int16_t) == 2 && sizeof(uint16_t) == 2, int16_has_two
 CCGEN_STATIC_ASSERT(sizeof(int32_t) == 4 && sizeof(uint32_t) == 4, int32_has_four_bytes);
 CCGEN_STATIC_ASSERT(sizeof(int64_t) == 8 && sizeof(uint64_t) == 8, int64_has_eight_bytes);
 CCGEN_STATIC_ASSERT((-1 & 3) == 3, negative_values_are_in_two_s_complement);
-CCGEN_STATIC_ASSERT(((int32_t)-5 >> 1) == -3, right_shift_of_int32_is_arithmetic);
-CCGEN_STATIC_ASSERT(((int64_t)-5 >> 1) == -3, right_shift_of_int64_is_arithmetic);
+CCGEN_STATIC_ASSERT((-INT32_C(5) >> 1) == -3, right_shift_of_int32_is_arithmetic);
+CCGEN_STATIC_ASSERT((-INT64_C(5) >> 1) == -3, right_shift_of_int64_is_arithmetic);
 
 #endif /* CCGEN_CHECK_H */

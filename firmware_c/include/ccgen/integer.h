@@ -12,27 +12,29 @@
 
 /** \param[in] word any value  \return the same bits as a signed number */
 CCGEN_INLINE int16_t ccgen_signed16(const uint16_t word) {
-    return (word <= 0x7FFFu) ? (int16_t)word : (int16_t)(-(int16_t)(uint16_t)(~word) - 1);
+    return (word <= 0x7FFFu) ? CCGEN_CAST(int16_t, word)
+                             : CCGEN_CAST(int16_t, -CCGEN_CAST(int16_t, 0xFFFFu - word) - 1);
 }
 
 /** \param[in] word any value  \return the same bits as a signed number */
 CCGEN_INLINE int32_t ccgen_signed32(const uint32_t word) {
-    return (word <= 0x7FFFFFFFu) ? (int32_t)word : (-(int32_t)(~word) - 1);
+    return (word <= 0x7FFFFFFFu) ? CCGEN_CAST(int32_t, word) : (-CCGEN_CAST(int32_t, ~word) - 1);
 }
 
 /** \param[in] word any value  \return the same bits as a signed number */
 CCGEN_INLINE int64_t ccgen_signed64(const uint64_t word) {
-    return (word <= (uint64_t)INT64_MAX) ? (int64_t)word : (-(int64_t)(~word) - 1);
+    return (word <= UINT64_C(0x7FFFFFFFFFFFFFFF)) ? CCGEN_CAST(int64_t, word)
+                                                : (-CCGEN_CAST(int64_t, ~word) - 1);
 }
 
 /** \param[in] word any value  \return its bits 0 to 15 as a signed number */
 CCGEN_INLINE int16_t ccgen_low16(const uint32_t word) {
-    return ccgen_signed16((uint16_t)(word & 0xFFFFu));
+    return ccgen_signed16(CCGEN_CAST(uint16_t, word & 0xFFFFu));
 }
 
 /** \param[in] word any value  \return its bits 16 to 31 as a signed number */
 CCGEN_INLINE int16_t ccgen_high16(const uint32_t word) {
-    return (int16_t)(ccgen_signed32(word) >> 16);
+    return CCGEN_CAST(int16_t, ccgen_signed32(word) >> 16);
 }
 
 #endif /* CCGEN_INTEGER_H */

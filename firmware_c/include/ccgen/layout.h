@@ -104,10 +104,10 @@ int ccgen_layout_protect(const ccgen_layout_t *layout, uint8_t counter, ccgen_fr
 /** Writes the low `bytes` bytes (1 to 4) of `value`, little-endian. */
 void ccgen_put_signed(uint8_t *data, uint8_t bytes, int32_t value);
 
-/** \return the little-endian two's complement value of `bytes` bytes (1 to 4). */
+/** \return the little-endian two's complement value of `bytes` bytes (1 to 4); 0 for any other number. */
 int32_t ccgen_get_signed(const uint8_t *data, uint8_t bytes);
 
-/** \return the most negative value of a signal of `bytes` bytes (1 to 4): "no reading". */
+/** \return the most negative value of a signal of `bytes` bytes (1 to 4): "no reading"; 0 otherwise. */
 int32_t ccgen_no_reading(uint8_t bytes);
 
 #ifdef __cplusplus

@@ -69,6 +69,16 @@ static void request_stop(const int signal_number) {
     stop_requested = 1;
 }
 
+/** \return whether an error of a call only says: not now. */
+static bool is_passing(const int error) {
+#if EWOULDBLOCK != EAGAIN
+    if (error == EWOULDBLOCK) {
+        return true;
+    }
+#endif
+    return (error == EAGAIN) || (error == EINTR);
+}
+
 static uint32_t now_us(void) {
     struct timespec now;
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
@@ -126,7 +136,7 @@ static line_t read_input(link_t *const link) {
         link->input.end = (size_t)count;
         return LINE_OPEN;
     }
-    if ((count < 0) && ((errno == EAGAIN) || (errno == EWOULDBLOCK) || (errno == EINTR))) {
+    if ((count < 0) && is_passing(errno)) {
         return LINE_OPEN;
     }
     /* A pseudo-terminal whose other side is closed reports EIO. */
@@ -138,7 +148,7 @@ static line_t write_output(link_t *const link) {
     const ssize_t count =
         write(link->out, &output->bytes[output->begin], output->end - output->begin);
     if (count < 0) {
-        if ((errno == EAGAIN) || (errno == EWOULDBLOCK) || (errno == EINTR)) {
+        if (is_passing(errno)) {
             return LINE_OPEN;
         }
         return ((errno == EPIPE) || (errno == EIO)) ? LINE_ENDED : LINE_FAILED;

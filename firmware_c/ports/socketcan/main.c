@@ -46,6 +46,16 @@ static void request_stop(const int signal_number) {
     stop_requested = 1;
 }
 
+/** \return whether an error of a call only says: not now. */
+static bool is_passing(const int error) {
+#if EWOULDBLOCK != EAGAIN
+    if (error == EWOULDBLOCK) {
+        return true;
+    }
+#endif
+    return (error == EAGAIN) || (error == EINTR);
+}
+
 static uint32_t now_us(void) {
     struct timespec now;
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
@@ -100,7 +110,7 @@ static int read_frame(const int can, ccgen_frame_t *const frame) {
     struct canfd_frame wire;
     const ssize_t count = read(can, &wire, sizeof wire);
     if (count < 0) {
-        return ((errno == EAGAIN) || (errno == EWOULDBLOCK) || (errno == EINTR)) ? 0 : -1;
+        return is_passing(errno) ? 0 : -1;
     }
     const bool fd = ((size_t)count == CANFD_MTU);
     const bool whole = fd || ((size_t)count == CAN_MTU);
@@ -119,9 +129,7 @@ static int write_frame(const int can, const ccgen_frame_t *const frame) {
     if (write(can, &wire, frame->fd ? CANFD_MTU : CAN_MTU) >= 0) {
         return 1;
     }
-    const bool busy =
-        (errno == EAGAIN) || (errno == EWOULDBLOCK) || (errno == ENOBUFS) || (errno == EINTR);
-    return busy ? 0 : -1;
+    return ((errno == ENOBUFS) || is_passing(errno)) ? 0 : -1;
 }
 
 /** Sends what is due. \return 1: all of it; 0: `frame` is kept for later; -1: error. */
