@@ -15,7 +15,7 @@ from ccgen.placement import (
     evolve,
     search,
 )
-from ccgen.placement.evolution import costs, decode
+from ccgen.placement.evolution import decode, fitnesses
 from ccgen.shapes import shape_library
 
 SMALL = Evolution(individuals=60, generations=4)
@@ -43,10 +43,10 @@ def test_fixed_sensors_are_no_genes():
     assert decode(posed, [[11, 3]]).tolist() == [[[0, 5], [3, 11]]]
 
 
-def test_an_uncovered_segment_costs_the_maximum():
+def test_an_uncovered_segment_counts_as_the_worst():
     posed = problem(12, 3.0, 2)
-    assert costs(posed, np.array([[[0, 4], [6, 11]]])).tolist() == [200.0]
-    assert costs(posed, np.array([[[0, 5], [6, 11]]]))[0] < 20
+    assert fitnesses(posed, np.array([[[0, 4], [6, 11]]])).tolist() == [200.0]
+    assert fitnesses(posed, np.array([[[0, 5], [6, 11]]]))[0] < 20
 
 
 @pytest.mark.parametrize("sensors", [2, 3, 5])
@@ -64,11 +64,11 @@ def test_best_ever_seen_is_returned_even_if_later_generations_lose_it(monkeypatc
     lowest = []
 
     def watched(problem, spans):
-        result = costs(problem, spans)
+        result = fitnesses(problem, spans)
         lowest.append(result.min())
         return result
 
-    monkeypatch.setattr(evolution, "costs", watched)
+    monkeypatch.setattr(evolution, "fitnesses", watched)
     found = evolve(posed, settings)
     assert min(lowest) < lowest[-1]
     assert found.percent <= min(lowest) * (1 + 1e-5)

@@ -22,10 +22,10 @@ from ccgen.placement import (
     search,
 )
 from ccgen.placement.compare import NEGLIGIBLE, total_length
-from ccgen.placement.exchange import Descent
+from ccgen.placement.descent import Descent
 from ccgen.placement.exhaustive import count_allowed, covering
 from ccgen.placement.problem import as_spans
-from ccgen.placement.search import enumerate_all, exchange
+from ccgen.placement.search import descend, enumerate_all
 from ccgen.shapes import shape_library
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -71,7 +71,7 @@ LIMITS = [
 @pytest.mark.parametrize("sensors", [2, 3])
 def test_enumeration_meets_every_allowed_placement_once(sensors, limits):
     posed = problem(6, 3.0, sensors, **limits)
-    met = [as_spans(one) for batch in covering(posed) for one in batch]
+    met = [as_spans(one) for chunk in covering(posed) for one in chunk]
     assert len(met) == len(set(met))
     assert set(met) == every_allowed(posed)
     assert count_allowed(posed) == len(met)
@@ -114,7 +114,7 @@ def test_search_on_twelve_segments_is_the_exhaustive_optimum(degrees, sensors):
     found = search(posed)
     everything = np.concatenate(list(covering(posed)))
     assert len(everything) == {2: 144, 3: 8438}[sensors]
-    near = everything[np.argsort(posed.model.costs(everything))[:200]]
+    near = everything[np.argsort(posed.model.values(everything))[:200]]
     assert found.percent == pytest.approx(posed.percents(near).min(), rel=1e-9)
     assert found.optimality == "proven"
     assert found.gap == 0.0
@@ -124,9 +124,9 @@ def test_search_on_twelve_segments_is_the_exhaustive_optimum(degrees, sensors):
     ("segments", "degrees", "sensors", "noise"),
     [(12, 3.0, 3, 0.0), (12, 8.0, 3, 4e-4), (20, 8.0, 3, 0.0), (12, 8.0, 4, 0.0)],
 )
-def test_exchange_search_finds_what_enumeration_proves(segments, degrees, sensors, noise):
+def test_descents_find_what_enumeration_proves(segments, degrees, sensors, noise):
     posed = problem(segments, degrees, sensors, noise)
-    lowest = min(posed.model.costs(batch).min() for batch in covering(posed))
+    lowest = min(posed.model.values(chunk).min() for chunk in covering(posed))
     found = search(posed, Search(enumerated=0))
     assert found.optimality == "bound"
     assert 0 < found.gap < 1
@@ -146,7 +146,7 @@ def test_exchange_search_finds_what_enumeration_proves(segments, degrees, sensor
     ],
     ids=str,
 )
-def test_exchange_search_keeps_to_the_constraints(limits):
+def test_descents_keep_to_the_constraints(limits):
     posed = problem(16, 4.0, 4, **limits)
     found = search(posed, Search(enumerated=0, starts=4))
     assert posed.allows(found.spans)
@@ -185,7 +185,7 @@ def test_every_method_keeps_to_tight_constraints_or_says_that_it_cannot(posed):
     best = min((max(posed.percent(one), NEGLIGIBLE) for one in allowed), default=None)
     quick = Evolution(individuals=20, generations=1), Search(enumerated=0, starts=2)
     found = [answer(place, posed, method, *quick) for method in METHODS]
-    found += [answer(exchange, posed, quick[1]), answer(enumerate_all, posed)]
+    found += [answer(descend, posed, quick[1]), answer(enumerate_all, posed)]
     assert (found[-2] is None) == (found[-1] is None) == (best is None)
     for placement in filter(None, found):
         assert placement.spans in allowed
@@ -205,15 +205,15 @@ def test_every_method_keeps_to_tight_constraints_or_says_that_it_cannot(posed):
     ids=str,
 )
 @pytest.mark.parametrize("noise", [0.0, 4e-4])
-def test_exchange_search_finds_the_proven_best_under_tight_limits(limits, noise):
+def test_descents_find_the_proven_best_under_tight_limits(limits, noise):
     posed = problem(14, 8.0, 3, noise, **limits)
-    assert exchange(posed, Search()).spans == enumerate_all(posed).spans
+    assert descend(posed, Search()).spans == enumerate_all(posed).spans
 
 
-def test_exchange_search_starts_from_an_allowed_placement_where_it_meets_none_itself():
+def test_descents_start_from_an_allowed_placement_where_they_meet_none_themselves():
     # The one placement there is: every span begins where the one before it ends.
     posed = problem(30, 3.0, 5, shortest=6, stacked=1)
-    found = exchange(posed, Search(starts=1))
+    found = descend(posed, Search(starts=1))
     assert found.spans == tuple((k, k + 5) for k in range(0, 30, 6))
 
 
@@ -228,7 +228,7 @@ def test_of_placements_without_error_the_one_with_the_shortest_spans_is_found(
     assert set(found.spans) == {(k, k) for k in range(segments)}
 
 
-def test_exchange_search_is_reproducible():
+def test_descents_are_reproducible():
     posed = problem(16, 4.0, 4)
     settings = Search(enumerated=0, starts=6, seed=5)
     assert search(posed, settings) == search(posed, settings)
@@ -242,14 +242,14 @@ def test_search_is_never_worse_than_a_placement_it_is_given():
     assert found.evaluations < 10_000
 
 
-def test_a_descent_ends_where_no_single_exchange_helps():
+def test_a_descent_ends_where_no_single_move_helps():
     posed = problem(16, 4.0, 4)
-    spans, cost = Descent(posed).run(np.array(heuristic(16, 4)))
+    spans, value = Descent(posed).run(np.array(heuristic(16, 4)))
     for slot in range(4):
         moved = np.repeat(spans[None], len(posed.catalogue), axis=0)
         moved[:, slot] = posed.catalogue
         moved = moved[posed.violations(moved) == 0]
-        assert posed.model.costs(moved).min() >= cost * (1 - 1e-6)
+        assert posed.model.values(moved).min() >= value * (1 - 1e-6)
 
 
 def test_search_is_never_worse_than_the_heuristic():

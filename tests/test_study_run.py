@@ -273,7 +273,7 @@ def test_results_of_other_sources_count_as_unfinished(undisturbed, tmp_path, mon
     shutil.copytree(sources.PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(sources, "PACKAGE", package)
     assert Store(undisturbed / "joints", QUICK).load(JOINTS[0]) is not None
-    with (package / "placement" / "cost.py").open("a") as file:
+    with (package / "placement" / "objective.py").open("a") as file:
         file.write("# changed\n")
     assert Store(undisturbed / "joints", QUICK).load(JOINTS[0]) is None
 

@@ -1,4 +1,4 @@
-"""A lower bound on the cost of any placement, from the number of sensors alone.
+"""A lower bound on the objective of any placement, from the number of sensors alone.
 
 Estimates from n readings have rank n. A square block of the score shapes, n + 1 shapes by n + 1
 segments, is estimated by a singular matrix; the smallest sum of absolute changes that makes a
@@ -11,11 +11,11 @@ far from tight; but it is proven.
 
 import numpy as np
 
-from ccgen.placement.cost import CostModel, Floats
+from ccgen.placement.objective import Floats, ObjectiveModel
 
 
-def lower_bound(model: CostModel, sensors: int) -> float:
-    """Cost in % of the range of motion below which no placement of so many sensors gets."""
+def lower_bound(model: ObjectiveModel, sensors: int) -> float:
+    """Objective in % of the range of motion below which no placement of so many sensors gets."""
     weighted = model.score_shapes * model.score_weights[:, None]
     size = sensors + 1
     strips = model.segments // size

@@ -1,4 +1,4 @@
-"""How far the soft-L1 loss can move a cost that was computed with squares.
+"""How far the soft-L1 loss can move an objective that was computed with squares.
 
 Let c be the coordinates of an estimate in the orthonormal readings Q, and c0 their least-squares
 value, with residuals r. The soft-L1 loss has the gradient g = Q^T (r s), s = 1/sqrt(1 + (r/f)^2),
@@ -12,10 +12,10 @@ that distance.
 import numpy as np
 
 from ccgen.estimation.wam import F_SCALE
-from ccgen.placement.cost import (
-    CostModel,
+from ccgen.placement.objective import (
     Floats,
     Indices,
+    ObjectiveModel,
     distinct_shapes,
     orthonormalise,
     with_shapes,
@@ -26,14 +26,14 @@ _CACHED = 1 << 17
 
 
 class Certificate:
-    """Proven lower bounds of `Problem.percents`, for the paper's cost."""
+    """Proven lower bounds of `Problem.percents`, for the paper's objective."""
 
     def __init__(self, problem: Problem) -> None:
         shapes, counts = distinct_shapes(problem.fit.angles, scalable=False)
         kept = shapes.any(axis=1)
         self._roots: Floats = np.sqrt(counts[kept])[:, None]
         # Weighted so, the samples themselves are coordinates with the same inner products.
-        self._model: CostModel = with_shapes(problem.model, self._roots * shapes[kept])
+        self._model: ObjectiveModel = with_shapes(problem.model, self._roots * shapes[kept])
 
     def lower_bounds(self, spans: Indices) -> Floats:
         """Bounds in % of the range of motion, shape (P,), of placements of shape (P, n, 2).

@@ -4,15 +4,15 @@ import numpy as np
 
 from ccgen.joint.layouts import Spans
 from ccgen.placement.certificate import Certificate
-from ccgen.placement.cost import Floats, Indices
+from ccgen.placement.objective import Floats, Indices
 from ccgen.placement.problem import Problem, as_spans
 
 ROUNDING = 1e-6
-"""Share of a cost by which the ways of computing it may differ by rounding."""
+"""Share of an objective by which the ways of computing it may differ by rounding."""
 
 
 NEGLIGIBLE = 1e-10
-"""Cost in % below which only rounding differs: as many independent readings as segments."""
+"""Objective in % below which only rounding differs: as many independent readings as segments."""
 
 _AT_ONCE = 256
 
@@ -20,7 +20,7 @@ _AT_ONCE = 256
 def best_of(problem: Problem, candidates: Indices) -> tuple[Spans, float]:
     """The best of some placements, shape (P, n, 2), and its `Problem.percent`.
 
-    Of equals, and of those with a negligible cost, it is the one with the shortest spans, then
+    Of equals, and of those with a negligible objective, it is the one with the shortest spans, then
     the one whose spans come first; the order of the placements and of the sensors in each does
     not matter.
     """
@@ -28,7 +28,7 @@ def best_of(problem: Problem, candidates: Indices) -> tuple[Spans, float]:
         {as_spans(one) for one in candidates}, key=lambda spans: (total_length(spans), spans)
     )
     ordered = np.array(distinct, dtype=np.intp)
-    likely = int(np.argmin(problem.model.costs(ordered)))
+    likely = int(np.argmin(problem.model.values(ordered)))
     chosen, lowest = ordered[likely], np.inf
     rivals = within(problem, ordered, problem.percent(distinct[likely]))
     for start in range(0, len(rivals), _AT_ONCE):
@@ -48,7 +48,7 @@ def total_length(spans: Spans) -> int:
 
 
 def within(problem: Problem, placements: Indices, limit: float) -> Indices:
-    """Those of some placements whose cost in % cannot be proven to exceed a limit.
+    """Those of some placements whose objective in % cannot be proven to exceed a limit.
 
     A negligible limit counts as `NEGLIGIBLE`.
     """
@@ -57,6 +57,6 @@ def within(problem: Problem, placements: Indices, limit: float) -> Indices:
 
 def _lower_bounds(problem: Problem, placements: Indices) -> Floats:
     if problem.noise:
-        # These weights are least-squares ones, and their cost is exact.
-        return problem.model.costs(placements)
+        # These weights are least-squares ones, and their objective is exact.
+        return problem.model.values(placements)
     return Certificate(problem).lower_bounds(placements)

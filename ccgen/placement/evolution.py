@@ -1,7 +1,7 @@
 """The paper's evolutionary algorithm (section 2.6), with DEAP.
 
 An individual is a list of 2n segment numbers, a pair for each sensor, swapped into order where
-need be. A whole generation is costed at once.
+need be. A whole generation is evaluated at once.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from deap.tools import crossover, mutation, selection
 from ccgen.errors import InputError
 from ccgen.joint.layouts import Spans, heuristic
 from ccgen.placement.compare import best_of
-from ccgen.placement.cost import Floats, Indices
+from ccgen.placement.objective import Floats, Indices
 from ccgen.placement.problem import Placement, Problem
 from ccgen.placement.settings import Report, at_least, silent
 
-MAXIMUM_COST = 200.0
-"""Cost of an invalid individual: 2 ROM for every angle, in % of ROM."""
+WORST = 200.0
+"""Fitness of an invalid individual: 2 ROM for every angle, in % of ROM."""
 
 _FINALISTS = 20
-"""Best individuals ever seen whose cost is computed again without approximation."""
+"""Best individuals ever seen whose objective is computed again without approximation."""
 
 _RANDOM_USERS = (algorithms, crossover, mutation, selection)
 _LOCK = threading.Lock()
@@ -76,8 +76,8 @@ class Evolution:
 class _Random(random.Random):
     """A generator whose integers come from one floating-point draw.
 
-    Those of the standard library go through several calls each, which takes longer than costing
-    an individual. The bias is below 2^-40.
+    Those of the standard library go through several calls each, which takes longer than
+    evaluating an individual. The bias is below 2^-40.
     """
 
     def randint(self, a: int, b: int) -> int:
@@ -103,7 +103,7 @@ class _Individual(list[int]):
 
 
 def _clone(individual: _Individual) -> _Individual:
-    """A copy; DEAP's usual deep copy takes longer than costing an individual."""
+    """A copy; DEAP's usual deep copy takes longer than evaluating one."""
     fitness = _Fitness.__new__(_Fitness)
     fitness.wvalues = individual.fitness.wvalues
     twin = _Individual.__new__(_Individual)
@@ -155,7 +155,7 @@ def _run(problem: Problem, settings: Evolution, report: Report) -> tuple[Indices
         generation = list(individuals)
         found = evaluate(generation).tolist() if generation else []
         report(next(finished), generations)
-        return [(cost,) for cost in found]
+        return [(value,) for value in found]
 
     toolbox.register("map", evaluate_all)
     best = tools.HallOfFame(_FINALISTS)
@@ -184,7 +184,7 @@ def _toolbox(problem: Problem, settings: Evolution) -> base.Toolbox:
     toolbox.register("mate", tools.cxOnePoint if genes > 1 else lambda a, b: (a, b))
     toolbox.register("mutate", tools.mutUniformInt, low=0, up=top, indpb=settings.gene_mutation)
     toolbox.register("clone", _clone)
-    toolbox.register("evaluate", lambda generation: costs(problem, decode(problem, generation)))
+    toolbox.register("evaluate", lambda generation: fitnesses(problem, decode(problem, generation)))
     return toolbox
 
 
@@ -196,11 +196,11 @@ def decode(problem: Problem, individuals: Any) -> Indices:
     return np.concatenate([head, np.sort(pairs, axis=-1)], axis=1)
 
 
-def costs(problem: Problem, spans: Indices) -> Floats:
-    """Cost of each placement in %; the maximum where a constraint is broken, shape (P,)."""
+def fitnesses(problem: Problem, spans: Indices) -> Floats:
+    """Objective of each placement in %; the worst where a constraint is broken, shape (P,)."""
     valid = problem.violations(spans) == 0
-    result = np.full(len(spans), MAXIMUM_COST)
-    result[valid] = problem.model.costs(spans[valid])
+    result = np.full(len(spans), WORST)
+    result[valid] = problem.model.values(spans[valid])
     return result
 
 

@@ -1,4 +1,4 @@
-"""Every placement that keeps to the constraints, in batches.
+"""Every placement that keeps to the constraints, in chunks.
 
 Free sensors are ordered by their spans (first, then last segment). The first segment that is
 still bare must be covered by the next sensor, since later ones begin further out; and no later
@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.placement.constraints import coverage
-from ccgen.placement.cost import Indices
+from ccgen.placement.objective import Indices
 from ccgen.placement.problem import Problem
 
-_BATCH = 1 << 16
+_CHUNK = 1 << 16
 
 _EFFORT = 16
 """Partial placements looked at for each placement of the limit, before counting gives up."""
@@ -34,16 +34,16 @@ def count_allowed(problem: Problem, limit: float = math.inf) -> int | None:
         return _count_covering(problem, limit)
     walk = Walk(problem, _EFFORT * limit)
     count = 0
-    for batch in walk.batches():
-        count += len(batch)
+    for chunk in walk.chunks():
+        count += len(chunk)
         if count > limit:
             return None
     return count if walk.complete else None
 
 
 def covering(problem: Problem) -> Iterator[Indices]:
-    """Batches of all placements that keep to the constraints, fixed sensors first, (P, n, 2)."""
-    return Walk(problem).batches()
+    """Chunks of all placements that keep to the constraints, fixed sensors first, (P, n, 2)."""
+    return Walk(problem).chunks()
 
 
 def _may_stack(problem: Problem) -> bool:
@@ -83,7 +83,7 @@ class Walk:
     Attributes:
         problem: the joint, its sensors and constraints.
         effort: most partial placements to look at.
-        complete: whether every placement was met; known when the batches have ended.
+        complete: whether every placement was met; known when the chunks have ended.
     """
 
     problem: Problem
@@ -103,8 +103,8 @@ class Walk:
         stacked = self.problem.constraints.stacked
         self._stacked = min(stacked or self.problem.sensors, self.problem.sensors)
 
-    def batches(self) -> Iterator[Indices]:
-        """Batches of placements that keep to the constraints, fixed sensors first, (P, n, 2)."""
+    def chunks(self) -> Iterator[Indices]:
+        """Chunks of placements that keep to the constraints, fixed sensors first, (P, n, 2)."""
         fixed = np.array(self.problem.constraints.fixed, dtype=np.intp).reshape(-1, 2)
         free = self.problem.sensors - len(fixed)
         count = coverage(fixed[None], self.problem.segments).astype(np.int16)
@@ -179,12 +179,12 @@ class Walk:
 
 
 def _pieces(counts: Indices) -> Iterator[slice]:
-    """Cut rows into runs that grow to about a batch each."""
+    """Cut rows into runs that grow to about a chunk each."""
     totals = np.cumsum(counts)
     start = 0
     while start < len(counts):
         done = totals[start - 1] if start else 0
-        stop = max(start + 1, int(np.searchsorted(totals, done + _BATCH, side="right")))
+        stop = max(start + 1, int(np.searchsorted(totals, done + _CHUNK, side="right")))
         yield slice(start, stop)
         start = stop
 

@@ -17,7 +17,7 @@ from ccgen.estimation import (
 from ccgen.estimation.weights import Weights
 from ccgen.joint.layouts import Spans
 from ccgen.placement.constraints import Constraints
-from ccgen.placement.cost import CostModel, Floats, Indices, cost_model
+from ccgen.placement.objective import Floats, Indices, ObjectiveModel, objective_model
 from ccgen.sensing.readings import readings
 from ccgen.shapes import ShapeLibrary, fit_library, score_library
 
@@ -38,8 +38,8 @@ class Problem:
         sensors: number n of sensors, fixed ones included.
         constraints: what the builder allows.
         noise: standard deviation of a sensor's length over its radius, radians. With 0 the
-            objective is the paper's cost (eq. 11) of WAM weights, else the expected error of
-            noise-aware weights.
+            objective is the paper's (its cost, eq. 11) with WAM weights, else the expected error
+            with noise-aware weights.
 
     Raises:
         InputError: constraints that make no sense for this joint.
@@ -60,9 +60,9 @@ class Problem:
         return int(self.fit.angles.shape[1])
 
     @cached_property
-    def model(self) -> CostModel:
-        """The libraries, prepared for costing whole populations."""
-        return cost_model(self.fit, self.score, self.noise)
+    def model(self) -> ObjectiveModel:
+        """The libraries, prepared for evaluating whole populations."""
+        return objective_model(self.fit, self.score, self.noise)
 
     @cached_property
     def catalogue(self) -> Indices:
@@ -131,7 +131,7 @@ class Placement:
         method: name of the method.
         spans: ordered by first and last segment.
         percent: objective in % of the range of motion.
-        evaluations: how many placements were costed for it.
+        evaluations: how many placements were evaluated for it.
         optimality: "proven" (no allowed placement is better), "bound" or "none".
         gap: share of the objective between it and a proven lower bound; None without a bound.
     """

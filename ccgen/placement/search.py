@@ -1,4 +1,4 @@
-"""The best placement: proven by enumeration where that is feasible, else by exchange search."""
+"""The best placement: proven by enumeration where that is feasible, else by descents."""
 
 import itertools
 from collections.abc import Sequence
@@ -10,14 +10,14 @@ from ccgen.errors import InputError
 from ccgen.joint.layouts import Spans, end_to_end, heuristic
 from ccgen.placement.bound import lower_bound
 from ccgen.placement.compare import best_of, within
-from ccgen.placement.cost import Indices
-from ccgen.placement.exchange import BROKEN, Descent
+from ccgen.placement.descent import BROKEN, Descent
 from ccgen.placement.exhaustive import Walk, count_allowed, covering
+from ccgen.placement.objective import Indices
 from ccgen.placement.problem import Placement, Problem, as_spans
 from ccgen.placement.settings import Report, at_least, silent
 
 _FINALISTS = 32
-"""Best placements met whose cost is computed again without approximation."""
+"""Best placements met whose objective is computed again without approximation."""
 
 _FIRST = 5_000_000
 """Partial placements to look at for one that is allowed, where no usual start led to one."""
@@ -33,7 +33,7 @@ class Search:
     Attributes:
         enumerated: most placements to enumerate; 2 sensors need m^2, 3 on 20 segments 65,570,
             4 on 12 segments 290,863.
-        starts: descents of the exchange search.
+        starts: how many descents.
         seed: of its random numbers.
     """
 
@@ -63,7 +63,7 @@ def search(
     Args:
         problem: the joint, its sensors and constraints.
         settings: how hard to try.
-        known: allowed placements that the exchange search starts from too.
+        known: allowed placements that descents start from too.
         report: called with the placements, or the descents, that are done.
 
     Raises:
@@ -74,15 +74,15 @@ def search(
     # A single placement is no search, whatever the limit.
     count = count_allowed(problem, max(1, settings.enumerated))
     if count is None:
-        return exchange(problem, settings, known, report)
+        return descend(problem, settings, known, report)
     return enumerate_all(problem, report, count)
 
 
 def enumerate_all(problem: Problem, report: Report = silent, count: int = 0) -> Placement:
     """Find the best placement of all, and prove it.
 
-    For the paper's cost every placement is costed with squares in place of the soft-L1 loss;
-    those that the difference cannot rule out are then compared by `Problem.percents`.
+    For the paper's objective every placement is evaluated with squares in place of the soft-L1
+    loss; those that the difference cannot rule out are then compared by `Problem.percents`.
 
     Args:
         problem: the joint, its sensors and constraints.
@@ -93,26 +93,26 @@ def enumerate_all(problem: Problem, report: Report = silent, count: int = 0) -> 
         InputError: no placement keeps to the constraints.
     """
     best, lowest, evaluations = None, np.inf, 0
-    for batch in filter(len, covering(problem)):
-        costs = problem.model.costs(batch)
-        evaluations += len(costs)
-        least = int(np.argmin(costs))
-        if costs[least] < lowest:
-            best, lowest = batch[least], float(costs[least])
+    for chunk in filter(len, covering(problem)):
+        values = problem.model.values(chunk)
+        evaluations += len(values)
+        least = int(np.argmin(values))
+        if values[least] < lowest:
+            best, lowest = chunk[least], float(values[least])
         report(evaluations // 2, count)
     if best is None:
         raise _impossible(problem)
     limit = problem.percent(as_spans(best))
     rivals, compared = [best[None]], 0
-    for batch in covering(problem):
-        rivals.append(within(problem, batch, limit))
-        compared += len(batch)
+    for chunk in covering(problem):
+        rivals.append(within(problem, chunk, limit))
+        compared += len(chunk)
         report((evaluations + compared) // 2, count)
     spans, percent = best_of(problem, np.concatenate(rivals))
     return Placement("search", spans, percent, evaluations, "proven", 0.0)
 
 
-def exchange(
+def descend(
     problem: Problem, settings: Search, known: Sequence[Spans] = (), report: Report = silent
 ) -> Placement:
     """Descend from known and usual placements, from random ones, and from disturbed best ones.
@@ -140,9 +140,9 @@ def exchange(
             start = _random(problem, random)
         else:
             start = _disturb(problem, best, random)
-        resting, cost = descent.run(start)
-        if cost < lowest:
-            best, lowest = resting, cost
+        resting, value = descent.run(start)
+        if value < lowest:
+            best, lowest = resting, value
         report(number + 1, total)
     finalists = descent.finalists(_FINALISTS)
     if not len(finalists):
@@ -164,9 +164,9 @@ def _first_allowed(problem: Problem) -> list[Indices]:
         InputError: no placement keeps to the constraints.
     """
     walk = Walk(problem, _FIRST)
-    for batch in walk.batches():
-        if len(batch):
-            return [batch[0]]
+    for chunk in walk.chunks():
+        if len(chunk):
+            return [chunk[0]]
     if walk.complete:
         raise _impossible(problem)
     return []

@@ -79,16 +79,16 @@ class Watch:
 
     def __call__(self, *arguments):
         start = time.process_time()
-        costs = self.evaluate(*arguments)
+        values = self.evaluate(*arguments)
         self.seconds += time.process_time() - start
-        self.placements += int(np.sum(np.asarray(costs) < evolution.MAXIMUM_COST))
-        return costs
+        self.placements += int(np.sum(np.asarray(values) < evolution.WORST))
+        return values
 
 
 def evolve_batched(problem):
     start = time.process_time()
-    watch = Watch(evolution.costs)
-    evolution.costs = watch
+    watch = Watch(evolution.fitnesses)
+    evolution.values = watch
     found = evolution.evolve(problem, evolution.Evolution(seed=1))
     return watch, time.process_time() - start, found.percent
 
@@ -121,7 +121,7 @@ def evaluate(problem, individual):
     pairs = zip(individual[::2], individual[1::2], strict=True)
     spans = [(min(pair), max(pair)) for pair in pairs]
     if {k for a, b in spans for k in range(a, b + 1)} != set(range(segments)):
-        return (evolution.MAXIMUM_COST,)
+        return (evolution.WORST,)
     fit, score = problem.fit.angles, problem.score.angles
     lengths = RADIUS * means(fit, spans)
     error = 0.0

@@ -8,8 +8,8 @@ from ccgen.joint.layouts import heuristic
 from ccgen.placement import Problem
 from ccgen.placement.bound import lower_bound
 from ccgen.placement.certificate import Certificate
-from ccgen.placement.cost import distinct_shapes, orthonormalise
-from ccgen.placement.exchange import exchange_costs
+from ccgen.placement.descent import moved_values
+from ccgen.placement.objective import distinct_shapes, orthonormalise
 from ccgen.placement.problem import as_spans
 from ccgen.sensing.readings import readings
 from ccgen.shapes import shape_library
@@ -35,23 +35,23 @@ def least_squares_percent(posed, spans):
 
 @pytest.mark.parametrize(("segments", "degrees"), [(12, 3.0), (20, 8.0), (48, 8.0), (48, 1.0)])
 @pytest.mark.parametrize("sensors", [1, 2, 3, 4, 6])
-def test_batched_cost_is_the_least_squares_score(segments, degrees, sensors):
+def test_value_is_the_least_squares_score(segments, degrees, sensors):
     posed = problem(segments, degrees, sensors)
     spans = random_placements(segments, sensors, 40)
     expected = [least_squares_percent(posed, as_spans(one)) for one in spans]
-    np.testing.assert_allclose(posed.model.costs(spans), expected, rtol=2e-4, atol=1e-9)
+    np.testing.assert_allclose(posed.model.values(spans), expected, rtol=2e-4, atol=1e-9)
 
 
 @pytest.mark.parametrize("sensors", [3, 4, 5, 6])
-def test_batched_cost_is_the_wam_score_where_residuals_are_small(sensors):
+def test_value_is_the_wam_score_where_residuals_are_small(sensors):
     posed = problem(12, 3.0, sensors)
     spans = heuristic(12, sensors)
     expected = score_percent_rom(wam(posed.fit, spans), posed.score)
-    assert posed.model.costs(np.array([spans]))[0] == pytest.approx(expected, rel=1e-5)
+    assert posed.model.values(np.array([spans]))[0] == pytest.approx(expected, rel=1e-5)
 
 
 @pytest.mark.parametrize("sensors", [2, 4, 6])
-def test_cost_under_noise_is_the_expected_score_of_noise_aware_weights(sensors):
+def test_value_under_noise_is_the_expected_score_of_noise_aware_weights(sensors):
     noise = 4e-4
     posed = problem(16, 5.0, sensors, noise)
     spans = random_placements(16, sensors, 20)
@@ -60,7 +60,7 @@ def test_cost_under_noise_is_the_expected_score_of_noise_aware_weights(sensors):
         sigma = [noise / (b - a + 1) for a, b in one]
         weights = noise_aware(posed.fit, one, sigma)
         expected.append(score_with_noise_percent_rom(weights, posed.score, sigma))
-    np.testing.assert_allclose(posed.model.costs(spans), expected, rtol=1e-9)
+    np.testing.assert_allclose(posed.model.values(spans), expected, rtol=1e-9)
     np.testing.assert_allclose(posed.percents(spans), expected, rtol=1e-12)
 
 
@@ -68,24 +68,24 @@ def test_a_sensor_laid_twice_adds_nothing():
     posed = problem(12, 3.0, 3)
     twice = np.array([[[0, 8], [0, 8], [6, 11]]])
     once = np.array([[[0, 8], [6, 11]]])
-    assert posed.model.costs(twice)[0] == pytest.approx(posed.model.costs(once)[0], rel=1e-12)
+    assert posed.model.values(twice)[0] == pytest.approx(posed.model.values(once)[0], rel=1e-12)
 
 
 @pytest.mark.parametrize("noise", [0.0, 4e-4])
 @pytest.mark.parametrize("slot", [0, 2, 3])
-def test_exchange_costs_are_the_costs_of_the_exchanged_placements(slot, noise):
+def test_moved_values_are_the_values_of_the_moved_placements(slot, noise):
     posed = problem(16, 4.0, 4, noise)
     placement = np.array(heuristic(16, 4))
     others = np.delete(placement, slot, axis=0)
-    exchanged = np.repeat(placement[None], len(posed.catalogue), axis=0)
-    exchanged[:, slot] = posed.catalogue
-    costs = exchange_costs(posed.model, others, posed.catalogue, slot)
-    np.testing.assert_allclose(costs, posed.model.costs(exchanged), rtol=1e-6)
+    moved = np.repeat(placement[None], len(posed.catalogue), axis=0)
+    moved[:, slot] = posed.catalogue
+    values = moved_values(posed.model, others, posed.catalogue, slot)
+    np.testing.assert_allclose(values, posed.model.values(moved), rtol=1e-6)
 
 
 @pytest.mark.parametrize(("segments", "degrees"), [(12, 1.0), (20, 8.0), (40, 8.0), (48, 8.0)])
 @pytest.mark.parametrize("sensors", [2, 3])
-def test_certificate_bounds_the_soft_l1_cost_from_below_and_near(segments, degrees, sensors):
+def test_certificate_bounds_the_soft_l1_value_from_below_and_near(segments, degrees, sensors):
     posed = problem(segments, degrees, sensors)
     spans = np.concatenate(
         [random_placements(segments, sensors, 60), [heuristic(segments, sensors)]]
@@ -102,7 +102,7 @@ def test_no_placement_gets_below_the_lower_bound(segments, degrees, sensors):
     posed = problem(segments, degrees, sensors)
     floor = lower_bound(posed.model, sensors)
     spans = random_placements(segments, sensors, 2000)
-    assert 0 < floor < posed.model.costs(spans).min()
+    assert 0 < floor < posed.model.values(spans).min()
 
 
 def test_lower_bound_holds_for_the_best_linear_subspace_too():

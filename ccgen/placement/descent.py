@@ -1,7 +1,7 @@
-"""Exchange search: move one sensor at a time to the best of all its spans.
+"""Descent: move one sensor at a time to the best of all its spans.
 
 With the other sensors' vectors orthonormal, each span that the moving sensor may take changes the
-error by a product of two vectors: one pass costs every span.
+error by a product of two vectors: one pass tells of every span.
 """
 
 from dataclasses import dataclass, field
@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from ccgen.placement.compare import NEGLIGIBLE
 from ccgen.placement.constraints import coverage
-from ccgen.placement.cost import CostModel, Floats, Indices, orthogonalise, orthonormalise
+from ccgen.placement.objective import Floats, Indices, ObjectiveModel, orthogonalise, orthonormalise
 from ccgen.placement.problem import Problem
 
 BROKEN = 200.0
-"""Cost of a broken constraint in %: no placement that keeps to them all costs as much (eq. 11)."""
+"""What a broken constraint adds in %: more than any placement that keeps to them all has."""
 
 KEPT = 8
-"""Spans of each exchange that are kept for the exact comparison in the end."""
+"""Spans of each move that are kept for the exact comparison in the end."""
 
 _CACHED = 1 << 15
 _IMPROVEMENT = 1e-9
@@ -26,7 +26,7 @@ _IMPROVEMENT = 1e-9
 
 @dataclass
 class Descent:
-    """Moves sensors of a problem downhill; counts what it costs and keeps the best it meets."""
+    """Moves sensors of a problem downhill; counts what it evaluates and keeps the best it meets."""
 
     problem: Problem
     evaluations: int = 0
@@ -38,20 +38,20 @@ class Descent:
         The spans of the free sensors must be allowed ones; how they lie together need not be.
 
         Returns:
-            The placement, shape (n, 2), and its cost in %.
+            The placement, shape (n, 2), and its objective in %.
         """
-        spans, cost = start.copy(), np.inf
+        spans, value = start.copy(), np.inf
         fixed, sensors = len(self.problem.constraints.fixed), len(start)
         rested, slot = 0, fixed
         while rested < sensors - fixed:
-            costs = self._costs(spans, slot)
-            best = int(np.argmin(costs))
-            if costs[best] < cost * (1 - _IMPROVEMENT):
-                cost, rested = float(costs[best]), 0
+            values = self._values(spans, slot)
+            best = int(np.argmin(values))
+            if values[best] < value * (1 - _IMPROVEMENT):
+                value, rested = float(values[best]), 0
                 spans[slot] = self.problem.catalogue[best]
             rested += 1
             slot = slot + 1 if slot + 1 < sensors else fixed
-        return spans, cost
+        return spans, value
 
     def finalists(self, count: int) -> Indices:
         """The best placements met that keep to the constraints, shape (at most count, n, 2)."""
@@ -61,24 +61,24 @@ class Descent:
         allowed: Indices = spans[self.problem.violations(spans) == 0]
         return allowed
 
-    def _costs(self, spans: Indices, slot: int) -> Floats:
+    def _values(self, spans: Indices, slot: int) -> Floats:
         others = np.delete(spans, slot, axis=0)
-        costs = exchange_costs(self.problem.model, others, self.problem.catalogue, slot)
-        costs += BROKEN * _broken(self.problem, others)
-        # What is left of a cost that vanishes is rounding; there the shorter span is the better.
+        values = moved_values(self.problem.model, others, self.problem.catalogue, slot)
+        values += BROKEN * _broken(self.problem, others)
+        # What is left of a vanishing objective is rounding; there the shorter span is the better.
         lengths = np.diff(self.problem.catalogue)[:, 0] + 1 + (np.diff(others) + 1).sum()
-        vanishing = costs < NEGLIGIBLE
-        costs[vanishing] = NEGLIGIBLE * lengths[vanishing] / (len(spans) * self.problem.segments)
-        self.evaluations += len(costs)
-        for index in np.argsort(costs, kind="stable")[:KEPT]:
+        vanishing = values < NEGLIGIBLE
+        values[vanishing] = NEGLIGIBLE * lengths[vanishing] / (len(spans) * self.problem.segments)
+        self.evaluations += len(values)
+        for index in np.argsort(values, kind="stable")[:KEPT]:
             met = spans.copy()
             met[slot] = self.problem.catalogue[index]
             ordered = met[np.lexsort((met[:, 1], met[:, 0]))]
-            self.met.setdefault(ordered.tobytes(), (float(costs[index]), met))
-        return costs
+            self.met.setdefault(ordered.tobytes(), (float(values[index]), met))
+        return values
 
 
-def exchange_costs(model: CostModel, others: Indices, catalogue: Indices, slot: int) -> Floats:
+def moved_values(model: ObjectiveModel, others: Indices, catalogue: Indices, slot: int) -> Floats:
     """Cost of adding each span to the other sensors, shape (S,), in %.
 
     Args:
@@ -98,7 +98,7 @@ def exchange_costs(model: CostModel, others: Indices, catalogue: Indices, slot: 
     errors = known[:, size:].T @ fitted - model.score_shapes
     noise = known[:, rank:size].T @ fitted
     gained = new[:, :rank] @ model.shapes
-    costs = np.empty(len(catalogue))
+    values = np.empty(len(catalogue))
     chunk = max(1, _CACHED // (errors.size + noise.size))
     changed = np.empty((chunk, *errors.shape))
     for start in range(0, len(catalogue), chunk):
@@ -107,8 +107,8 @@ def exchange_costs(model: CostModel, others: Indices, catalogue: Indices, slot: 
         here = np.multiply(new[part, size:, None], change, out=changed[: part.stop - start])
         here += errors
         disturbed = noise + new[part, rank:size, None] * change if model.noise else None
-        costs[part] = model.total(here, disturbed)
-    return costs
+        values[part] = model.total(here, disturbed)
+    return values
 
 
 def _broken(problem: Problem, others: Indices) -> Indices:

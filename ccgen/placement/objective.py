@@ -1,10 +1,10 @@
-"""Cost of whole populations of placements at once (eq. 11), without an optimiser.
+"""Objective of whole populations of placements at once (eq. 11), without an optimiser.
 
 The weights of a placement are taken to minimise a sum of squares over the fit library, which the
-soft-L1 loss nearly is: with heuristic overlap on the paper's 80 joints it moves the cost by less
-than 0.03 % for four sensors and more, by up to 0.6 % for three (median 0.0003 %) and up to 0.9 %
-for two, 19 % on joints beyond the fold. `ccgen.placement.certificate` bounds the difference, and
-`ccgen.placement.compare` settles what it leaves open.
+soft-L1 loss nearly is: with heuristic overlap on the paper's 80 joints it moves the objective by
+less than 0.03 % for four sensors and more, by up to 0.6 % for three (median 0.0003 %) and up to
+0.9 % for two, 19 % on joints beyond the fold. `ccgen.placement.certificate` bounds the
+difference, and `ccgen.placement.compare` settles what it leaves open.
 
 Such a fit depends on the library only through its inner products, so the shapes are replaced by
 their few coordinates in an orthonormal basis (singular value decomposition, exact to rounding).
@@ -46,8 +46,8 @@ _SINGULAR = 1e-15
 
 
 @dataclass(frozen=True, eq=False)
-class CostModel:
-    """What the cost of a placement on one joint depends on.
+class ObjectiveModel:
+    """What the objective of a placement on one joint depends on.
 
     Attributes:
         segments: number m of segments.
@@ -55,7 +55,7 @@ class CostModel:
         score_shapes: shape (q, m), radians.
         score_weights: how often each score shape counts, over c s m ROM / 100, shape (q,).
         sums: prefix sums along the joint of both, shape (m + 1, r + q).
-        noise: noise of a sensor's length over its radius, radians; 0 for the paper's cost.
+        noise: noise of a sensor's length over its radius, radians; 0 for the paper's objective.
         samples: number N of fit shapes.
     """
 
@@ -96,18 +96,18 @@ class CostModel:
         extra = np.sqrt(self.samples) * self.noise / lengths * own
         return np.concatenate([means[..., : self.rank], extra, means[..., self.rank :]], axis=-1)
 
-    def costs(self, spans: Indices) -> Floats:
-        """Score of each placement in % of the range of motion, shape (P,).
+    def values(self, spans: Indices) -> Floats:
+        """Objective of each placement in % of the range of motion, shape (P,).
 
         Args:
             spans: shape (P, n, 2).
         """
         sensors = spans.shape[1]
         chunk = max(1, _CACHED // (self.score_shapes.size + sensors * self.sums.shape[1]))
-        parts = [self._costs(spans[k : k + chunk]) for k in range(0, len(spans), chunk)]
+        parts = [self._values(spans[k : k + chunk]) for k in range(0, len(spans), chunk)]
         return np.concatenate(parts) if parts else np.zeros(0)
 
-    def _costs(self, spans: Indices) -> Floats:
+    def _values(self, spans: Indices) -> Floats:
         sensors = spans.shape[1]
         vectors = self.vectors(spans, np.arange(sensors), sensors)
         size = self.fit_size(sensors)
@@ -135,18 +135,18 @@ class CostModel:
         return result
 
 
-def cost_model(fit: ShapeLibrary, score: ShapeLibrary, noise: float = 0.0) -> CostModel:
-    """Prepare a joint's libraries for costing placements.
+def objective_model(fit: ShapeLibrary, score: ShapeLibrary, noise: float = 0.0) -> ObjectiveModel:
+    """Prepare a joint's libraries for evaluating placements.
 
     Args:
         fit: shapes that weights are fitted to.
         score: shapes that they are scored on.
         noise: standard deviation of a sensor's length over its radius, radians; 0 for the paper's
-            cost, else the expected error of the noise-aware estimator.
+            objective, else the expected error of the noise-aware estimator.
     """
     shapes = _coordinates(fit.angles)
     score_shapes, counts = distinct_shapes(score.angles, scalable=not noise)
-    return CostModel(
+    return ObjectiveModel(
         segments=fit.angles.shape[1],
         shapes=shapes,
         score_shapes=score_shapes,
@@ -157,7 +157,7 @@ def cost_model(fit: ShapeLibrary, score: ShapeLibrary, noise: float = 0.0) -> Co
     )
 
 
-def with_shapes(model: CostModel, shapes: Floats) -> CostModel:
+def with_shapes(model: ObjectiveModel, shapes: Floats) -> ObjectiveModel:
     """The model with other coordinates of the fit shapes, shape (r, m): same inner products."""
     return replace(model, shapes=shapes, sums=_prefix_sums(shapes, model.score_shapes))
 
