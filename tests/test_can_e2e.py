@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ccgen.can.e2e import P01, P05, ProtectionError, crc8_j1850, crc16_ccitt_false
+from ccgen.e2e import P01, P05, ProtectionError, crc8_j1850, crc16_ccitt_false
 
 CHECK = b"123456789"
 data_ids = st.integers(0, 0xFFFF)

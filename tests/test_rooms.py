@@ -58,7 +58,7 @@ def room(name):
 
 def test_every_room_of_the_package_stands_in_the_table():
     rooms = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
-    assert rooms | {"errors", "outputs", "resources", "digits"} == set(table())
+    assert rooms | {"errors", "outputs", "resources", "digits", "e2e"} == set(table())
 
 
 def test_no_room_imports_what_the_table_does_not_allow():

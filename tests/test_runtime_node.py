@@ -9,7 +9,7 @@ import pytest
 from runtime_c import UNDEFINED, Frame, frame, load
 from test_runtime_estimator import sample_model
 
-from ccgen.can.e2e import P01, P05, crc8_j1850
+from ccgen.e2e import P01, P05, crc8_j1850
 
 CRC, FORMAT, REPEATED, REORDERED, LOST, LATE, MISSING, STALE = (1 << bit for bit in range(8))
 CYCLE = 10_000

@@ -22,7 +22,7 @@ from runtime_c import ADDRESS, GLUE, HERE, RUNTIME, SAMPLE, build_program, compi
 from test_runtime_estimator import sample_model
 from waiting import PATIENCE, becomes, read_until
 
-from ccgen.can.e2e import P01
+from ccgen.e2e import P01
 
 COUNTS = (100, -200, 300, 4000, -5000, 6000)
 ANSWER = 10  # 8 ANGLES, TIP, STATUS
@@ -339,7 +339,7 @@ def test_socketcan_ignores_what_is_no_frame():
 
 
 def test_socketcan_carries_can_fd():
-    from ccgen.can.e2e import P05
+    from ccgen.e2e import P05
 
     data = P05.protect(0x300, 77, bytes(3) + np.array(COUNTS, "<i2").tobytes() + bytes(49))
     with on_socket("-DSAMPLE_FD=1") as (near, _):

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from runtime_c import NO_READING, Frame, Layout, frame, load
 
-from ccgen.can.e2e import P01, P05, Profile
+from ccgen.e2e import P01, P05, Profile
 
 CRC, FORMAT, REPEATED, REORDERED, LOST, LATE, MISSING, STALE = (1 << bit for bit in range(8))
 CYCLE = 10_000
@@ -237,7 +237,7 @@ def test_frames_of_the_wrong_kind_are_malformed():
 
 
 def good_crc_of(sent: Frame) -> int:
-    from ccgen.can.e2e import crc8_j1850
+    from ccgen.e2e import crc8_j1850
 
     covered = sent.id.to_bytes(2, "little") + sent.payload()[1:]
     return crc8_j1850(covered, start=0, xor=0)

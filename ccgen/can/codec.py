@@ -15,8 +15,8 @@ import cantools
 from cantools.database import Database
 from cantools.database.can import Message as DbcMessage
 
-from ccgen.can.e2e import P01, P05, ProtectionError
 from ccgen.can.layout import FrameLayout, FrameSpec, Kind
+from ccgen.e2e import P01, P05, ProtectionError
 from ccgen.errors import InputError
 
 
