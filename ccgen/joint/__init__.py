@@ -8,6 +8,7 @@ from ccgen.joint.specification import (
     Can,
     Geometry,
     Joint,
+    RecordingFile,
     Shapes,
     Transducer,
 )
@@ -20,6 +21,7 @@ __all__ = [
     "Can",
     "Geometry",
     "Joint",
+    "RecordingFile",
     "Shapes",
     "Transducer",
 ]

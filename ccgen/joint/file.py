@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from ccgen.errors import InputError
 from ccgen.joint.messages import KeyProblemError, first_problem, toml_value
 from ccgen.joint.names import LONGEST_NAME, name_problem
+from ccgen.joint.recordings import recording_files
 from ccgen.joint.sensors import axis_sensors
 from ccgen.joint.specification import AXES, AxisSensors, Can, Geometry, Joint, Shapes
 from ccgen.joint.tables import CanTable, JointTable, ShapesTable
@@ -36,18 +37,23 @@ def read_joint(path: Path) -> Joint:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if len(data) > _LARGEST_FILE:
         raise InputError(f"{path}: more than {_LARGEST_FILE} bytes are no joint file; {_INIT_HINT}")
-    return parse_joint(_decoded(data, str(path)), str(path))
+    return parse_joint(_decoded(data, str(path)), str(path), path.parent)
 
 
-def parse_joint(text: str, source: str) -> Joint:
-    """Check the text of a joint file; `source` names it in messages.
+def parse_joint(text: str, source: str, folder: Path = Path()) -> Joint:
+    """Check the text of a joint file.
+
+    Args:
+        text: what the file holds.
+        source: names it in messages.
+        folder: where the paths in it lead from.
 
     Raises:
         InputError: as `read_joint`.
     """
     document = _document(text, source)
     try:
-        return _joint(JointTable.model_validate(document), source)
+        return _joint(JointTable.model_validate(document), source, folder)
     except ValidationError as error:
         raise InputError(f"{source}: {first_problem(error)}") from None
     except KeyProblemError as problem:
@@ -89,7 +95,7 @@ def _syntax_problem(message: str, text: str) -> str:
     return f"{place}: {what[0].lower()}{what[1:]}; write TOML, such as segments = 12"
 
 
-def _joint(table: JointTable, source: str) -> Joint:
+def _joint(table: JointTable, source: str, folder: Path) -> Joint:
     _check_name(table.name)
     segments, precision = table.geometry.segments, table.fixed_point.precision
     u, v = (axis_sensors(table.sensors, axis, segments, precision) for axis in AXES)
@@ -109,6 +115,7 @@ def _joint(table: JointTable, source: str) -> Joint:
         precision=precision,
         can=Can(**table.can.model_dump()),
         source=source,
+        recordings=recording_files(table, folder),
     )
 
 

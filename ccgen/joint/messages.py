@@ -6,7 +6,7 @@ import json
 import math
 import re
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
@@ -115,35 +115,55 @@ def _unknown_key(location: _Location) -> str:
     near = difflib.get_close_matches(name, here.model_fields, n=1)
     if near:
         return f"{key}: unknown key; did you mean {near[0]}?"
-    homes = [dotted(home) for home, table in _tables(JointTable) if name in table.model_fields]
+    homes = [home for home, table in _tables(JointTable) if name in table.model_fields]
     if homes:
-        return f"{key}: unknown key here; write it in [{homes[0]}]"
+        return f"{key}: unknown key here; write it in {homes[0]}"
     return f"{key}: unknown key; the known ones are {', '.join(here.model_fields)}"
 
 
-def _tables(
-    model: type[BaseModel], location: tuple[str, ...] = ()
-) -> Iterator[tuple[_Location, type[BaseModel]]]:
+def _tables(model: type[BaseModel], above: str = "") -> Iterator[tuple[str, type[BaseModel]]]:
+    """Yield every table below `model` under the header that it has in the file."""
     for name, field in model.model_fields.items():
-        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
-            yield (*location, name), field.annotation
-            yield from _tables(field.annotation, (*location, name))
+        inner = _inner(field)
+        if inner is not None:
+            path = f"{above}{name}"
+            yield (f"[{path}]" if inner is field.annotation else f"[[{path}]]"), inner
+            yield from _tables(inner, f"{path}.")
+
+
+def _inner(field: "FieldInfo") -> type[BaseModel] | None:
+    """Return the table that a field holds, or holds a list of."""
+    for kind in (field.annotation, *get_args(field.annotation)):
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            return kind
+    return None
 
 
 def _table(location: _Location) -> type[BaseModel]:
-    return dict(_tables(JointTable)).get(location, JointTable)
+    """Return the innermost table on the way to `location`."""
+    here: type[BaseModel] = JointTable
+    for part in location:
+        field = here.model_fields.get(str(part))
+        here = (_inner(field) if field is not None else None) or here
+    return here
 
 
 def _field(location: _Location) -> "FieldInfo":
     """Return the field of the innermost key on the way to `location`."""
-    keys = location[: next((i for i, x in enumerate(location) if isinstance(x, int)), None)]
-    return _table(keys[:-1]).model_fields[str(keys[-1])]
+    here: type[BaseModel] = JointTable
+    field = here.model_fields[str(location[0])]
+    for part in location[1:]:
+        here = _inner(field) or here
+        field = here.model_fields.get(str(part), field)
+    return field
 
 
 def _example(key: str, field: "FieldInfo") -> str:
     value: Any = (field.examples or [""])[0]
     if isinstance(value, str) and value.startswith("["):
         return value
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{name} = {toml_value(x)}" for name, x in value.items()) + " }"
     return f"{key.rpartition('.')[2].partition('[')[0]} = {toml_value(value)}"
 
 

@@ -6,6 +6,7 @@ read: importing this module costs nothing.
 """
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from ccgen.joint.layouts import Spans
 
@@ -80,6 +81,42 @@ class Shapes:
 
 
 @dataclass(frozen=True)
+class RecordingFile:
+    """One of [[recordings]]: which files hold a recording of the joint, and what is known of it."""
+
+    file: str
+    """The table of samples, as the joint file names it; `path` finds it."""
+    folder: Path = field(compare=False)
+    """The joint file's, from which paths lead."""
+    use: str
+    """"fit" or "score"."""
+    counts: str | None = None
+    """The file that holds the counts, where `file` does not."""
+    dbc: str | None = None
+    """What describes `counts` where that is a CAN log."""
+    stations: tuple[tuple[str, float], ...] = ()
+    """Bodies and markers with their places along the neutral axis, metres from the base."""
+    straight: tuple[float, float] | None = None
+    """When the joint was straight, seconds."""
+    zero_from: tuple[float, float] | None = None
+    """When the reference's own shape sets the sensors' zeros, seconds."""
+    base: tuple[str, str] | None = None
+    """Markers whose chord is the base frame of every row."""
+    position_noise: float | None = None
+    """One standard deviation of a coordinate, metres; None when unknown."""
+    orientation_noise: float | None = None
+    """One standard deviation about an axis, radians; None when unknown."""
+    delay: float | None = None
+    """Seconds by which the sensors lag; None where it is to be estimated."""
+    rows: tuple[int, int] | None = None
+    """First and last row to use, both included, counted from 0 behind the header."""
+
+    def path(self, name: str) -> Path:
+        """Where a file of this recording is: `file`, `counts` or `dbc`."""
+        return self.folder / name
+
+
+@dataclass(frozen=True)
 class Can:
     """The joint's place on the bus."""
 
@@ -106,6 +143,7 @@ class Joint:
     can: Can
     source: str = field(compare=False)
     """The file as the user named it: for messages only, never part of an output."""
+    recordings: tuple[RecordingFile, ...] = ()
 
     def axis(self, name: str) -> AxisSensors:
         """Return the sensors of axis "u" or "v".

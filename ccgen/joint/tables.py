@@ -7,11 +7,13 @@ checked in `ccgen.joint.sensors` and `ccgen.joint.file`.
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 MOST_SEGMENTS = 64
 MOST_SENSORS = 8
 """Sensors of one axis: the STATUS frame's mask has 16 bits for both."""
+
+MOST_RECORDINGS = 100
 
 
 class Table(BaseModel):
@@ -140,6 +142,87 @@ class ShapesTable(Table):
     )
 
 
+Interval = Annotated[list[float], Field(min_length=2, max_length=2)]
+
+
+class RecordingTable(Table):
+    """One of [[recordings]]."""
+
+    file: str = Field(
+        min_length=1,
+        description="the path of a CSV file, relative to the joint file",
+        examples=["run1.csv"],
+    )
+    counts: str | None = Field(
+        default=None,
+        min_length=1,
+        description="the path of a CSV file or CAN log that holds the counts, where file does not",
+        examples=["run1.blf"],
+    )
+    dbc: str | None = Field(
+        default=None,
+        min_length=1,
+        description="the path of the DBC file that describes the CAN log",
+        examples=["finger.dbc"],
+    )
+    use: Literal["fit", "score"] = Field(
+        default="fit", description='"fit" or "score"', examples=["fit"]
+    )
+    stations: dict[str, Annotated[float, Field(ge=0.0, le=1e3)]] = Field(
+        default={},
+        description="metres from the base along the neutral axis, for each body or marker",
+        examples=[{"mid": 0.12, "tip": 0.24}],
+    )
+    straight: Interval | None = Field(
+        default=None,
+        description="the seconds from which to which the joint was straight",
+        examples=[[0.0, 2.0]],
+    )
+    zero_from: Interval | None = Field(
+        default=None,
+        description="the seconds from which to which the reference sets the sensors' zeros",
+        examples=[[0.0, 1.0]],
+    )
+    base: list[str] | None = Field(
+        default=None,
+        min_length=2,
+        max_length=2,
+        description="two markers, whose chord is the base frame",
+        examples=[["m0", "m1"]],
+    )
+    position_noise: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=1.0,
+        description="one standard deviation of a coordinate in metres, greater than 0",
+        examples=[2.0e-4],
+    )
+    orientation_noise: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=90.0,
+        description="one standard deviation about an axis in degrees, greater than 0",
+        examples=[0.5],
+    )
+    delay: float | None = Field(
+        default=None,
+        description='seconds by which the sensors lag, or "estimate"',
+        examples=[0.05],
+    )
+    rows: list[Annotated[int, Field(ge=0)]] | None = Field(
+        default=None,
+        min_length=2,
+        max_length=2,
+        description="the first and the last row to use, counted from 0 behind the header",
+        examples=[[0, 999]],
+    )
+
+    @field_validator("delay", mode="before")
+    @classmethod
+    def _estimated(cls, value: object) -> object:
+        return None if value == "estimate" else value
+
+
 class EstimatorTable(Table):
     """[estimator]."""
 
@@ -193,6 +276,12 @@ class JointTable(Table):
         default=SensorsTable(), description="a table with radius and more", examples=["[sensors]"]
     )
     shapes: ShapesTable = Field(default=ShapesTable(), description="a table", examples=["[shapes]"])
+    recordings: list[RecordingTable] = Field(
+        default=[],
+        max_length=MOST_RECORDINGS,
+        description=f"at most {MOST_RECORDINGS} tables",
+        examples=["[[recordings]]"],
+    )
     estimator: EstimatorTable = Field(
         default=EstimatorTable(), description="a table", examples=["[estimator]"]
     )
