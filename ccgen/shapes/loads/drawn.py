@@ -1,0 +1,132 @@
+"""Shapes under drawn loads, within the range of motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ccgen.joint.loads import LoadRanges
+from ccgen.shapes.loads import mesh as meshes
+from ccgen.shapes.loads.continuation import (
+    LIMITED,
+    LOST,
+    OUTSIDE,
+    REACHED,
+    STEEPEST,
+    Limit,
+    raise_loads,
+)
+from ccgen.shapes.loads.draws import Draws, draw_loads
+from ccgen.shapes.loads.equilibrium import Array, DeadLoads, Flags, Index
+
+ELEMENTS = 40
+"""At least so many elements: angles are right to 0.05 % of the largest."""
+
+_ATTEMPTS = 4
+"""At most so many draws for each shape that is asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnShapes:
+    """Shapes of N drawn loads, and what became of the other draws.
+
+    Attributes:
+        u: bends of the segments about x, shape (N, m), radians.
+        v: the same about y.
+        h: elongation of the sections, shape (N, sections), share of the length.
+        loads: of each shape, before they are scaled.
+        factor: by which actuation, forces, moments, contact and payload are scaled, shape (N,).
+        drawn: how many loads were drawn.
+        buckled: how many of them buckle.
+        out_of_range: how many are beyond the range of motion whatever the factor.
+    """
+
+    u: Array
+    v: Array
+    h: Array
+    loads: Draws
+    factor: Array
+    drawn: int
+    buckled: int
+    out_of_range: int
+
+
+def drawn_shapes(
+    ranges: LoadRanges, sections: tuple[int, ...], length: float, range_of_motion: float
+) -> DrawnShapes:
+    """Draw loads until there are as many shapes as the ranges ask for, or draws run out.
+
+    Args:
+        ranges: what to draw from.
+        sections: segments of each part that elongates by itself.
+        length: of the joint without elongation, metres.
+        range_of_motion: largest angle of a segment and axis, radians.
+    """
+    most = _ATTEMPTS * ranges.samples
+    draws = draw_loads(ranges, length, len(sections), most)
+    bent: list[_Bent] = []
+    drawn = found = 0
+    while found < ranges.samples and drawn < most:
+        some = np.arange(drawn, min(drawn + ranges.samples - found, most))
+        bent.append(_bend(draws.of(some), sections, length, range_of_motion))
+        drawn += some.size
+        found += int(bent[-1].valid.sum())
+    return _gathered(draws, bent)
+
+
+@dataclass(frozen=True, eq=False)
+class _Bent:
+    """What became of some draws."""
+
+    u: Array
+    v: Array
+    factor: Array
+    outcome: Index
+
+    @property
+    def valid(self) -> Flags:
+        return np.isin(self.outcome, (REACHED, LIMITED))
+
+
+def _gathered(draws: Draws, bent: list[_Bent]) -> DrawnShapes:
+    u, v, factor, outcome, valid = (
+        np.concatenate([getattr(some, name) for some in bent])
+        for name in ("u", "v", "factor", "outcome", "valid")
+    )
+    kept = draws.of(np.flatnonzero(valid))
+    return DrawnShapes(
+        u=u[valid],
+        v=v[valid],
+        h=kept.elongation.T.copy(),
+        loads=kept,
+        factor=factor[valid],
+        drawn=outcome.size,
+        buckled=int((outcome == LOST).sum()),
+        out_of_range=int((outcome == OUTSIDE).sum()),
+    )
+
+
+def _bend(draws: Draws, sections: tuple[int, ...], length: float, range_of_motion: float) -> _Bent:
+    """Let the weight act first: it is there whatever the factor of the other loads."""
+    elongation = np.repeat(draws.elongation, sections, axis=0)
+    mesh = meshes.cut(sum(sections), ELEMENTS, length, draws.stiffness, elongation)
+    limits = np.full(draws.contact_place.shape, range_of_motion)
+    weight = meshes.spread(mesh, draws.weight)
+    steep = Limit(mesh.starts, np.full_like(limits, STEEPEST))
+    hanging = raise_loads(mesh.rods, meshes.no_loads(mesh), weight, steep, mesh.straight)
+    bent = raise_loads(
+        mesh.rods, weight, _scalable(mesh, draws), Limit(mesh.starts, limits), hanging.angles
+    )
+    alone = np.where(hanging.outcome == LIMITED, OUTSIDE, hanging.outcome)
+    outcome = np.where(hanging.outcome == REACHED, bent.outcome, alone)
+    return _Bent(*meshes.segment_angles(mesh, bent.angles), bent.factor, outcome)
+
+
+def _scalable(mesh: meshes.Mesh, draws: Draws) -> DeadLoads:
+    return (
+        meshes.actuated(mesh, draws.actuation)
+        + meshes.at_tip(mesh, draws.tip_force)
+        + meshes.moment(mesh, draws.tip_moment)
+        + meshes.contact(mesh, draws.contact_place, draws.contact_force)
+    )
