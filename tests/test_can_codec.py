@@ -28,7 +28,7 @@ LAYOUTS = {
 
 def text_of(layout):
     axis = SimpleNamespace(transducer=SimpleNamespace(metres_per_count=2e-6), fraction_bits=18)
-    joint = SimpleNamespace(u=axis, v=axis, can=SimpleNamespace(bitrate=1_000_000))
+    joint = SimpleNamespace(axis=lambda _: axis, can=SimpleNamespace(bitrate=1_000_000))
     return dbc_text(layout, joint, SimpleNamespace(u=axis, v=axis))
 
 

@@ -6,25 +6,13 @@ from types import SimpleNamespace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from joint_files import joint_text
 
 from ccgen.can.layout import FrameLayout, layout_for, tip_fraction_bits
 from ccgen.errors import InputError
-from ccgen.joint import AxisSensors, Can, Geometry, Joint, Shapes, Transducer
-from ccgen.joint.layouts import heuristic
+from ccgen.joint.file import parse_joint
 
-TRANSDUCER = Transducer(bits=16, metres_per_count=2e-6, noise=None, range=None)
-SENSORS = AxisSensors(heuristic(12, 3), 0.05, TRANSDUCER, "heuristic")
-JOINT = Joint(
-    name="shoulder",
-    geometry=Geometry(12, 0.24, 0.05),
-    u=SENSORS,
-    v=SENSORS,
-    shapes=Shapes(("uniform",), 30, 10),
-    method="wam",
-    precision=16,
-    can=Can(0x300, False, False, 1_000_000, 10),
-    source="shoulder.toml",
-)
+JOINT = parse_joint(joint_text(), "shoulder.toml")
 
 
 def ranges(lowest, highest):

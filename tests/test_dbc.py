@@ -28,7 +28,8 @@ def text_of(layout):
     def axis(metres_per_count):
         return SimpleNamespace(transducer=SimpleNamespace(metres_per_count=metres_per_count))
 
-    joint = SimpleNamespace(u=axis(2e-6), v=axis(3.1e-7), can=SimpleNamespace(bitrate=1_000_000))
+    sets = {"u": axis(2e-6), "v": axis(3.1e-7)}
+    joint = SimpleNamespace(axis=sets.get, can=SimpleNamespace(bitrate=1_000_000))
     model = SimpleNamespace(
         u=SimpleNamespace(fraction_bits=18), v=SimpleNamespace(fraction_bits=33)
     )

@@ -18,7 +18,7 @@ from ccgen.joint import (
     AxisSensors,
     Can,
     Joint,
-    Shapes,
+    ShapeSettings,
     Transducer,
 )
 from ccgen.joint.file import parse_joint, read_joint
@@ -77,7 +77,7 @@ def test_what_the_file_leaves_out_has_its_default():
     assert joint.u == joint.v == joint.axis("u")
     assert (joint.u.placement, joint.u.spans) == ("heuristic", ((0, 4), (3, 8), (7, 11)))
     assert joint.u.transducer == Transducer(16, 2e-6, None, None)
-    assert joint.shapes == Shapes(CASES, fit_samples=30, score_samples=10)
+    assert joint.shapes == ShapeSettings(CASES, fit_samples=30, score_samples=10)
     assert (joint.method, joint.precision) == ("wam", 16)
     assert joint.can == Can(0x300, extended=False, fd=False, bitrate=1_000_000, cycle_ms=10)
 

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from joint_files import joint_text
 
 from ccgen.fixedpoint import AxisModel
-from ccgen.joint import AxisSensors, Can, Geometry, Joint, Shapes, Transducer
+from ccgen.joint.file import parse_joint
 from ccgen.sensing.counts import corner_counts, counts, random_counts
-from ccgen.sensing.motion import SOURCES, Motion, case_motion, motion, sweep_motion
-from ccgen.shapes import ShapeLibrary
+from ccgen.sensing.motion import SOURCES, case_motion, motion, sweep_motion
+from ccgen.shapes import ShapeLibrary, unstretched
 
 SEGMENTS, ROM = 12, np.radians(3.0)
 SPANS = ((0, 4), (3, 8), (7, 11))
@@ -35,18 +36,7 @@ def axis_model(name, minimum, maximum, zero):
 
 U = axis_model("u", [-9000, -8000, -9000], [9000, 8000, 9000], [0, 100, -7])
 V = axis_model("v", [-50, -60, -70], [70, 60, 50], [0, 0, 0])
-SENSORS = AxisSensors(SPANS, 0.05, Transducer(16, 2e-6, None, None), "heuristic")
-JOINT = Joint(
-    name="shoulder",
-    geometry=Geometry(SEGMENTS, 0.24, ROM),
-    u=SENSORS,
-    v=SENSORS,
-    shapes=Shapes(CASES, 30, 10),
-    method="wam",
-    precision=16,
-    can=Can(0x300, False, False, 1_000_000, 10),
-    source="shoulder.toml",
-)
+JOINT = parse_joint(joint_text(), "shoulder.toml")
 
 
 def library():
@@ -100,7 +90,7 @@ def test_an_unknown_source_is_refused():
 
 def test_counts_are_the_span_angle_times_radius_over_the_step():
     angles = np.arange(SEGMENTS) * 1e-3
-    result = counts(JOINT, (U, V), Motion(angles[None], 0 * angles[None]))
+    result = counts(JOINT, (U, V), unstretched(angles[None], 0 * angles[None]))
     sums = [angles[a : b + 1].sum() for a, b in SPANS]
     wanted = [round(0.05 * s / 2e-6) + z for s, z in zip(sums, [0, 100, -7], strict=True)]
     assert result.tolist() == [[*wanted, 0, 0, 0]]
@@ -108,7 +98,7 @@ def test_counts_are_the_span_angle_times_radius_over_the_step():
 
 def test_counts_are_clipped_to_the_declared_range():
     full = np.full((1, SEGMENTS), ROM)
-    assert counts(JOINT, (U, V), Motion(full, -full)).tolist() == [
+    assert counts(JOINT, (U, V), unstretched(full, -full)).tolist() == [
         [6545, 7954, 6538, -50, -60, -70]
     ]
 

@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
+from joint_files import joint_text
 
 from ccgen.errors import InputError, ReachError
-from ccgen.joint import CASES, AxisSensors, Can, Geometry, Joint, Shapes, Transducer
+from ccgen.joint import CASES
+from ccgen.joint.file import parse_joint
 from ccgen.shapes import (
     amplitudes,
     beyond_fold,
@@ -14,18 +16,9 @@ from ccgen.shapes import (
 
 
 def joint(range_of_motion_deg, cases=CASES):
-    sensors = AxisSensors(((0, 11),), 0.05, Transducer(16, 2e-6, None, None), "single")
-    return Joint(
-        name="shoulder",
-        geometry=Geometry(12, 0.24, np.radians(range_of_motion_deg)),
-        u=sensors,
-        v=sensors,
-        shapes=Shapes(tuple(cases), fit_samples=6, score_samples=4),
-        method="wam",
-        precision=16,
-        can=Can(0x300, False, False, 1_000_000, 10),
-        source="shoulder.toml",
-    )
+    shapes = f"[shapes]\ncases = {list(cases)}\nfit_samples = 6\nscore_samples = 4"
+    text = joint_text(range_of_motion=range_of_motion_deg, bits=32, precision=32, tables=shapes)
+    return parse_joint(text, "shoulder.toml")
 
 
 def test_amplitudes_run_from_one_step_above_the_lowest_to_the_highest():

@@ -14,8 +14,8 @@ from ccgen.can.layout import FAULTS, tip_fraction_bits
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts as counts_at
-from ccgen.sensing.motion import Motion, motion
-from ccgen.shapes import ShapeLibrary
+from ccgen.sensing.motion import motion
+from ccgen.shapes import ShapeLibrary, Shapes
 
 Floats = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ class Stream:
     model: FixedPointModel
     source: str
     rate_hz: float
-    shapes: Motion
+    shapes: Shapes
     counts: NDArray[np.int64]
 
     @property

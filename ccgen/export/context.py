@@ -15,7 +15,7 @@ from ccgen.fixedpoint import AxisModel, FixedPointModel
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts_of
 from ccgen.sensing.noise import reading_noise
-from ccgen.shapes import ShapeLibrary
+from ccgen.shapes import ShapeLibrary, unstretched
 
 SHAPE_VECTORS = 8
 BLOCKS = 8
@@ -181,9 +181,9 @@ def _vectors(
 ) -> list[dict[str, list[int]]]:
     """Shapes from every load case, and the corners with the most and the least of everything."""
     chosen = library.angles[:: max(1, len(library.angles) // SHAPE_VECTORS)][:SHAPE_VECTORS]
+    counts = counts_of(joint, unstretched(chosen, chosen, len(joint.geometry.sections)))
     readings = {
-        a: [*counts_of(joint.axis(a), chosen), model.axis(a).minimum, model.axis(a).maximum]
-        for a in AXES
+        a: [*counts[:, joint.own(a)], model.axis(a).minimum, model.axis(a).maximum] for a in AXES
     }
     return [
         {

@@ -16,7 +16,14 @@ from ccgen.errors import FormatError
 from ccgen.estimation import Weights
 from ccgen.fixedpoint import bounds
 from ccgen.fixedpoint.model import AxisModel, FixedPointModel, Floats, Integers
-from ccgen.fixedpoint.ranges import MARGIN, CountRange, count_gains, count_range, sensor_place
+from ccgen.fixedpoint.ranges import (
+    MARGIN,
+    CountRange,
+    SensorPlace,
+    bent_alike,
+    count_gains,
+    count_range,
+)
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts_of
 from ccgen.shapes import ShapeLibrary
@@ -68,16 +75,16 @@ def quantise(joint: Joint, weights: dict[str, Weights], library: ShapeLibrary) -
 
 
 def _quantise_axis(joint: Joint, name: str, weights: Weights, library: ShapeLibrary) -> AxisModel:
-    sensors = joint.axis(name)
     ranges = count_range(joint, name, library)
-    axis = _Axis(count_gains(weights, sensors), weights.intercept, ranges, joint.precision)
-    counts = counts_of(sensors, library.angles)
+    axis = _Axis(count_gains(joint, name, weights), weights.intercept, ranges, joint.precision)
+    counts = counts_of(joint, bent_alike(joint, library))[:, joint.own(name)]
     ideal = counts @ axis.gains.T + axis.intercept
     best = _choose(axis, float(np.abs(ideal).max()))
     if best is None:
         j = int(np.argmax(ranges.span))
+        widest = SensorPlace(joint, name, j).said("range")
         raise FormatError(
-            f"{sensor_place(joint, name, 'range', j)} is {ranges.span[j]} counts wide and leaves "
+            f"{widest} is {ranges.span[j]} counts wide and leaves "
             f"no {joint.precision}-bit format for the weights; narrow the range"
             + ("" if joint.precision == 32 else " or use precision = 32")
         )

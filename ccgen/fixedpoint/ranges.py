@@ -1,5 +1,6 @@
 """Counts: the ranges that transducers must cover, and the gain from counts to angles."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,9 +9,10 @@ from ccgen.digits import at_least, at_most
 from ccgen.errors import FormatError
 from ccgen.estimation import Weights
 from ccgen.fixedpoint.model import Floats, Integers
-from ccgen.joint import AxisSensors, Joint
-from ccgen.sensing.counts import counts_of, length_changes, lengths_per_radian
-from ccgen.shapes import ShapeLibrary
+from ccgen.joint import Joint, Sensor
+from ccgen.sensing.counts import counts_of
+from ccgen.sensing.readings import length_changes, normaliser
+from ccgen.shapes import ShapeLibrary, Shapes, unstretched
 
 MARGIN = 1.25
 """A range that is not declared covers what the shapes need and a quarter more."""
@@ -32,10 +34,16 @@ class CountRange:
         return self.maximum - self.minimum
 
 
-def count_gains(weights: Weights, sensors: AxisSensors) -> Floats:
+def count_gains(joint: Joint, axis: str, weights: Weights) -> Floats:
     """Angle in rad per count, shape (m, n): eq. (5) with eqs. (1), (2) folded in."""
-    step = sensors.transducer.metres_per_count
-    return weights.matrix * (step / lengths_per_radian(sensors))
+    own = joint.own(axis)
+    step = np.array([sensor.metres_per_count for sensor in joint.sensors[own]])
+    return weights.matrix * (step / normaliser(joint)[own])
+
+
+def bent_alike(joint: Joint, library: ShapeLibrary) -> Shapes:
+    """The library's shapes in both bending axes at once, for joints whose axes do not meet."""
+    return unstretched(library.angles, library.angles, len(joint.geometry.sections), "cases")
 
 
 def count_range(joint: Joint, axis: str, library: ShapeLibrary) -> CountRange:
@@ -45,21 +53,21 @@ def count_range(joint: Joint, axis: str, library: ShapeLibrary) -> CountRange:
         FormatError: the transducer's bits or its declared range do not hold the shapes; the
             message names the sensor.
     """
-    sensors = joint.axis(axis)
-    needed = np.abs(counts_of(sensors, library.angles)).max(axis=0)
-    if sensors.transducer.range is not None:
-        return _declared_range(joint, axis, needed, *sensors.transducer.range)
-    wanted = np.ceil(needed * MARGIN).astype(np.int64)
-    moves = np.abs(length_changes(sensors, library.angles)).max(axis=0)
-    most, least = int(np.argmax(moves)), int(np.argmin(moves))
-    if wanted[most] > _count_limit(sensors.transducer.bits):
-        raise FormatError(_too_fine(joint, axis, most, int(wanted[most]), float(moves[most])))
-    if wanted[least] == 0:
+    own, shapes = joint.own(axis), bent_alike(joint, library)
+    needed = np.abs(counts_of(joint, shapes)).max(axis=0)[own]
+    moves = np.abs(length_changes(joint, shapes.state)).max(axis=0)[own]
+    ends = np.zeros((needed.size, 2), dtype=np.int64)
+    for j in np.argsort(-moves, kind="stable"):  # messages name the sensor that moves most
+        place = SensorPlace(joint, axis, int(j))
+        ends[j] = place.range(int(needed[j]), float(moves[j]))
+    least = int(np.argmin(moves))
+    if not ends[least].any():
         raise FormatError(
-            f"{sensor_place(joint, axis, 'metres_per_count', least)} moves less than half a count "
-            f"over the range of motion; use at most {at_most(float(moves[least]))} m per count"
+            f"{SensorPlace(joint, axis, least).said('metres_per_count')} moves less than half a "
+            f"count over the range of motion; use at most {at_most(float(moves[least]))} m per "
+            "count"
         )
-    return CountRange(-wanted, wanted)
+    return CountRange(ends[:, 0], ends[:, 1])
 
 
 def _count_limit(bits: int) -> int:
@@ -67,42 +75,67 @@ def _count_limit(bits: int) -> int:
     return int(min(2 ** (bits - 1) - 1, DIFFERENCE_LIMIT // 2))
 
 
-def _too_fine(joint: Joint, axis: str, j: int, wanted: int, move: float) -> str:
-    """What is wrong with a sensor that needs more counts than there are, and the remedies."""
-    bits, limit = joint.axis(axis).transducer.bits, _count_limit(joint.axis(axis).transducer.bits)
-    remedies = []
-    if limit > MARGIN:
-        remedies.append(f"at least {at_least(move / int(limit / MARGIN))} m per count")
-    enough = next((b for b in range(bits + 1, 33) if wanted <= _count_limit(b)), None)
-    if enough is not None:
-        widen = " with fixed_point.precision = 32" if enough > joint.precision else ""
-        remedies.append(f"bits = {enough}{widen}")
-    return (
-        f"{sensor_place(joint, axis, 'metres_per_count', j)} needs counts of ±{wanted}, "
-        f"{bits} bits hold ±{limit}{' and their differences' if bits == 32 else ''}; "
-        f"use {' or '.join(remedies)}"
-    )
+@dataclass(frozen=True)
+class SensorPlace:
+    """Sensor j of those that an output axis reads, for messages."""
 
+    joint: Joint
+    axis: str
+    j: int
 
-def _declared_range(joint: Joint, axis: str, needed: Integers, low: int, high: int) -> CountRange:
-    j = int(np.argmax(needed))
-    sensor = sensor_place(joint, axis, "range", j)
-    if needed[j] > min(-low, high):
-        raise FormatError(
-            f"{sensor} reaches ±{needed[j]} counts over the range of motion, [{low}, {high}] "
-            f"does not; widen it or raise metres_per_count"
+    @property
+    def sensor(self) -> Sensor:
+        """The sensor itself."""
+        return self.joint.sensors[self.joint.own(self.axis)][self.j]
+
+    def said(self, key: str) -> str:
+        """Where a key of the sensor stands, and which sensor it is."""
+        first, last = self.sensor.start, self.sensor.end - 1
+        which = f"sensor {self.j} of axis {self.axis} (span [{first:g}, {last:g}])"
+        return f"{self.joint.source}: {self.sensor.key(key)}: {which}"
+
+    def range(self, needed: int, move: float) -> tuple[int, int]:
+        """Range of the sensor's counts: as declared, or what is needed and a quarter more.
+
+        Args:
+            needed: largest count of the shapes.
+            move: largest change of length, metres.
+
+        Raises:
+            FormatError: the transducer's bits or the declared range do not hold it.
+        """
+        if self.sensor.range is not None:
+            return self._declared(needed, *self.sensor.range)
+        wanted = math.ceil(needed * MARGIN)
+        if wanted > _count_limit(self.sensor.bits):
+            raise FormatError(self._too_fine(wanted, move))
+        return -wanted, wanted
+
+    def _declared(self, needed: int, low: int, high: int) -> tuple[int, int]:
+        if needed > min(-low, high):
+            raise FormatError(
+                f"{self.said('range')} reaches ±{needed} counts over the range of motion, "
+                f"[{low}, {high}] does not; widen it or raise metres_per_count"
+            )
+        if high - low > DIFFERENCE_LIMIT:
+            raise FormatError(
+                f"{self.said('range')} is {high - low} counts wide, the 32-bit difference of a "
+                f"count and a zero holds {DIFFERENCE_LIMIT}; narrow it"
+            )
+        return low, high
+
+    def _too_fine(self, wanted: int, move: float) -> str:
+        """What is wrong with a sensor that needs more counts than there are, and the remedies."""
+        bits, limit = self.sensor.bits, _count_limit(self.sensor.bits)
+        remedies = []
+        if limit > MARGIN:
+            remedies.append(f"at least {at_least(move / int(limit / MARGIN))} m per count")
+        enough = next((b for b in range(bits + 1, 33) if wanted <= _count_limit(b)), None)
+        if enough is not None:
+            widen = " with fixed_point.precision = 32" if enough > self.joint.precision else ""
+            remedies.append(f"bits = {enough}{widen}")
+        return (
+            f"{self.said('metres_per_count')} needs counts of ±{wanted}, {bits} bits hold "
+            f"±{limit}{' and their differences' if bits == 32 else ''}; "
+            f"use {' or '.join(remedies)}"
         )
-    if high - low > DIFFERENCE_LIMIT:
-        raise FormatError(
-            f"{sensor} is {high - low} counts wide, the 32-bit difference of a count and a zero "
-            f"holds {DIFFERENCE_LIMIT}; narrow it"
-        )
-    return CountRange(np.full_like(needed, low), np.full_like(needed, high))
-
-
-def sensor_place(joint: Joint, axis: str, key: str, j: int) -> str:
-    """Where a sensor's key stands, and which sensor it is."""
-    sensors = joint.axis(axis)
-    a, b = sensors.spans[j]
-    place = f"{joint.source}: {sensors.transducer.key(axis, key)}"
-    return f"{place}: sensor {j} of axis {axis} (span [{a}, {b}])"

@@ -9,7 +9,8 @@ from ccgen.joint.specification import (
     Geometry,
     Joint,
     RecordingFile,
-    Shapes,
+    Sensor,
+    ShapeSettings,
     Transducer,
 )
 
@@ -22,6 +23,7 @@ __all__ = [
     "Geometry",
     "Joint",
     "RecordingFile",
-    "Shapes",
+    "Sensor",
+    "ShapeSettings",
     "Transducer",
 ]

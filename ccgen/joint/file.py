@@ -12,8 +12,8 @@ from ccgen.errors import InputError
 from ccgen.joint.messages import KeyProblemError, first_problem, toml_value
 from ccgen.joint.names import LONGEST_NAME, name_problem
 from ccgen.joint.recordings import recording_files
-from ccgen.joint.sensors import axis_sensors
-from ccgen.joint.specification import AXES, AxisSensors, Can, Geometry, Joint, Shapes
+from ccgen.joint.sensors import axis_sensors, sensor_list
+from ccgen.joint.specification import AXES, AxisSensors, Can, Geometry, Joint, ShapeSettings
 from ccgen.joint.tables import CanTable, JointTable, ShapesTable
 
 _INIT_HINT = "`ccgen init NAME` writes one that works"
@@ -108,6 +108,9 @@ def _joint(table: JointTable, source: str, folder: Path) -> Joint:
             length=float(table.geometry.length),
             range_of_motion=math.radians(table.geometry.range_of_motion),
         ),
+        sensors=(*sensor_list("u", u), *sensor_list("v", v)),
+        axes=AXES,
+        parts=((0, len(u.spans)), (len(u.spans), len(u.spans) + len(v.spans))),
         u=u,
         v=v,
         shapes=_shapes(table.shapes),
@@ -128,13 +131,13 @@ def _check_name(name: str) -> None:
         )
 
 
-def _shapes(table: ShapesTable) -> Shapes:
+def _shapes(table: ShapesTable) -> ShapeSettings:
     for i, case in enumerate(table.cases):
         if case in table.cases[:i]:
             raise KeyProblemError(
                 f'shapes.cases[{i}]: "{case}" stands there twice; write each case once'
             )
-    return Shapes(tuple(table.cases), table.fit_samples, table.score_samples)
+    return ShapeSettings(tuple(table.cases), table.fit_samples, table.score_samples)
 
 
 def _check_method(method: str, axes: dict[str, AxisSensors]) -> None:

@@ -1,17 +1,21 @@
 """The sensors of one axis: what [sensors] says for both, with the axis' own keys in its place."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from ccgen.joint.layouts import Span, Spans, spans_for
 from ccgen.joint.messages import KeyProblemError, missing_key
-from ccgen.joint.specification import AxisSensors, Transducer
+from ccgen.joint.specification import AxisSensors, Sensor, Transducer
 from ccgen.joint.tables import AxisTable, SensorsTable, TransducerTable
 
 _DEFAULT_BITS = 16
 _DEFAULT_COUNT = 3
 _DEFAULT_PLACEMENT = "heuristic"
+
+_ANGLES_DEG = {"u": 90.0, "v": 180.0}
+"""Where the paper's two sets run: u's at +y, v's at -x."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +57,27 @@ def axis_sensors(table: SensorsTable, axis: str, segments: int, precision: int) 
         raise KeyProblemError(missing_key("sensors.radius", AxisTable.model_fields["radius"]))
     transducer = _transducer(overlay, precision)
     return AxisSensors(spans, radius, transducer, placement, axis in table.model_fields_set)
+
+
+def sensor_list(axis: str, sensors: AxisSensors) -> tuple[Sensor, ...]:
+    """The sensors of the paper's set for `axis` one by one, named u0, u1 ... or v0, v1 ..."""
+    transducer = sensors.transducer
+    return tuple(
+        Sensor(
+            name=f"{axis}{j}",
+            start=float(first),
+            end=float(last + 1),
+            angle=math.radians(_ANGLES_DEG[axis]),
+            radius=sensors.radius,
+            metres_per_count=transducer.metres_per_count,
+            bits=transducer.bits,
+            noise=transducer.noise,
+            range=transducer.range,
+            table=f"sensors.{axis}.transducer",
+            own=transducer.own,
+        )
+        for j, (first, last) in enumerate(sensors.spans)
+    )
 
 
 def _placed(overlay: _Overlay, segments: int) -> tuple[str, Spans]:

@@ -22,18 +22,66 @@ METHODS = ("direct", "equal", "wam", "noise-aware")
 
 @dataclass(frozen=True)
 class Geometry:
-    """A joint of equal constant-curvature segments."""
+    """A joint of equal constant-curvature segments, in sections that elongate alike."""
 
     segments: int
     length: float
-    """Neutral axis of the whole joint, metres."""
+    """Neutral axis of the whole joint at no elongation, metres."""
     range_of_motion: float
     """Largest bending per segment and axis, radians."""
+    sections: tuple[int, ...] = ()
+    """Segments of each section from the base; left out: one section of all segments."""
+    elongation: tuple[float, float] | None = None
+    """Lowest and highest elongation of a section, share of its length; None: none."""
+
+    def __post_init__(self) -> None:
+        if not self.sections:
+            object.__setattr__(self, "sections", (self.segments,))
 
     @property
     def segment_length(self) -> float:
-        """Neutral axis of one segment, metres."""
+        """Neutral axis of one segment at no elongation, metres."""
         return self.length / self.segments
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """One length sensor along the joint: where it runs, and what turns its length into counts."""
+
+    name: str
+    start: float
+    """Border of the span nearer to the base, in segments from the base; a share of one counts."""
+    end: float
+    """Border of the span nearer to the tip, in segments from the base."""
+    angle: float
+    """Around the neutral axis from +x, counter-clockwise seen from the tip, radians."""
+    radius: float
+    """Distance from the neutral axis, metres."""
+    metres_per_count: float
+    """Negative where the count falls as the sensor lengthens."""
+    bits: int
+    signed: bool = True
+    noise: float | None = None
+    """One standard deviation of the length, metres; None when unknown."""
+    zero: int | None = None
+    """Count of the straight joint; None when unknown."""
+    range: tuple[int, int] | None = None
+    """Lowest and highest count of a reading; None for what the shapes need and a quarter more."""
+    gain_tolerance: float = 0.0
+    """One standard deviation of the gain, share of it."""
+    table: str = field(default="sensors.transducer", compare=False)
+    """Table of the joint file that holds the sensor's own keys."""
+    own: frozenset[str] = field(default=frozenset(), compare=False)
+    """Keys of the transducer that stand in that table."""
+
+    @property
+    def segments(self) -> float:
+        """Number p of segments that the span covers; one covered in part counts by its share."""
+        return self.end - self.start
+
+    def key(self, name: str) -> str:
+        """Full name of the key of the transducer that the sensor has its value from."""
+        return f"{self.table if name in self.own else 'sensors.transducer'}.{name}"
 
 
 @dataclass(frozen=True)
@@ -49,15 +97,10 @@ class Transducer:
     own: frozenset[str] = field(default=frozenset(), compare=False)
     """Keys that the axis has in a table of its own."""
 
-    def key(self, axis: str, name: str) -> str:
-        """Full name of the key in the joint file that axis "u" or "v" has a value from."""
-        table = f"sensors.{axis}" if name in self.own else "sensors"
-        return f"{table}.transducer.{name}"
-
 
 @dataclass(frozen=True)
 class AxisSensors:
-    """The length sensors of one bending axis."""
+    """The paper's set of length sensors for one bending axis, all at one angle."""
 
     spans: Spans
     radius: float
@@ -70,7 +113,7 @@ class AxisSensors:
 
 
 @dataclass(frozen=True)
-class Shapes:
+class ShapeSettings:
     """The shapes to fit to and to score with."""
 
     cases: tuple[str, ...]
@@ -134,9 +177,17 @@ class Joint:
 
     name: str
     geometry: Geometry
-    u: AxisSensors
-    v: AxisSensors
-    shapes: Shapes
+    sensors: tuple[Sensor, ...]
+    """All length sensors, in the order of counts everywhere; of the paper's sets u's, then v's."""
+    axes: tuple[str, ...]
+    """Output axes in the order "u", "v", "h": bending about x, about y, elongation."""
+    parts: tuple[tuple[int, int], ...]
+    """For each output axis the first sensor that it reads and the one after the last."""
+    u: AxisSensors | None
+    """The paper's set for u; None where the file lists its sensors one by one."""
+    v: AxisSensors | None
+    """The paper's set for v; None where the file lists its sensors one by one."""
+    shapes: ShapeSettings
     method: str
     precision: int
     """Bits of counts, weights and angles in the firmware: 16 or 32."""
@@ -146,11 +197,25 @@ class Joint:
     recordings: tuple[RecordingFile, ...] = ()
 
     def axis(self, name: str) -> AxisSensors:
-        """Return the sensors of axis "u" or "v".
+        """Return the paper's set of sensors for axis "u" or "v".
 
         Raises:
-            ValueError: another name.
+            ValueError: another name, or a joint that lists its sensors one by one.
         """
-        if name not in AXES:
+        sets = {"u": self.u, "v": self.v}
+        if name not in sets:
             raise ValueError(f"unknown axis {name!r}; known: {', '.join(AXES)}")
-        return self.u if name == "u" else self.v
+        found = sets[name]
+        if found is None:
+            raise ValueError(f"joint {self.name} has no set of sensors for axis {name} alone")
+        return found
+
+    def own(self, axis: str) -> slice:
+        """Return the part of `sensors` that an output axis reads.
+
+        Raises:
+            ValueError: an axis that is not estimated.
+        """
+        if axis not in self.axes:
+            raise ValueError(f"axis {axis!r} is not estimated; known: {', '.join(self.axes)}")
+        return slice(*self.parts[self.axes.index(axis)])

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.joint import AXES, Joint
-from ccgen.sensing.counts import lengths_per_radian
-from ccgen.sensing.readings import reading_matrix
+from ccgen.joint import Joint, Sensor
+from ccgen.sensing.readings import response
 
 Floats = NDArray[np.float64]
 
@@ -31,34 +30,20 @@ class RecordedSensors:
 
 
 def recorded_sensors(joint: Joint) -> RecordedSensors:
-    """Return the sensors of a joint: u0 ..., then v0 ..., for the paper's sets."""
-    m = joint.geometry.segments
-    names: list[str] = []
-    parts: list[tuple[Floats, ...]] = []
-    for i, axis in enumerate(AXES):
-        sensors = joint.axis(axis)
-        n, transducer = len(sensors.spans), sensors.transducer
-        names += [f"{axis}{j}" for j in range(n)]
-        low, high = transducer.range or (
-            -(2 ** (transducer.bits - 1)),
-            2 ** (transducer.bits - 1) - 1,
-        )
-        matrix = np.zeros((n, 2 * m + 1))
-        matrix[:, i * m : (i + 1) * m] = (
-            reading_matrix(m, sensors.spans) * lengths_per_radian(sensors)[:, None]
-        )
-        matrix[:, 2 * m] = [(b - a + 1) * joint.geometry.segment_length for a, b in sensors.spans]
-        noise = np.nan if transducer.noise is None else transducer.noise
-        parts.append(
-            (
-                np.full(n, transducer.metres_per_count),
-                np.full(n, float(low)),
-                np.full(n, float(high)),
-                matrix,
-                np.full(n, noise),
-            )
-        )
-    step, low_all, high_all, whole, noise_all = (
-        np.concatenate(part) for part in zip(*parts, strict=True)
+    """Return the sensors of a joint as its recordings name them: u0 ... v0 ... of the sets."""
+    sensors = joint.sensors
+    ends = np.array([_ends(sensor) for sensor in sensors], dtype=np.float64)
+    return RecordedSensors(
+        names=tuple(sensor.name for sensor in sensors),
+        metres_per_count=np.array([sensor.metres_per_count for sensor in sensors]),
+        lowest=ends[:, 0],
+        highest=ends[:, 1],
+        matrix=response(joint),
+        noise=np.array([np.nan if sensor.noise is None else sensor.noise for sensor in sensors]),
     )
-    return RecordedSensors(tuple(names), step, low_all, high_all, whole, noise_all)
+
+
+def _ends(sensor: Sensor) -> tuple[int, int]:
+    """Counts at which the transducer's range ends."""
+    half = 2 ** (sensor.bits - 1)
+    return sensor.range or ((-half, half - 1) if sensor.signed else (0, 2 * half - 1))

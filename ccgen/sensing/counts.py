@@ -11,9 +11,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.joint import AxisSensors, Joint
-from ccgen.sensing.motion import Motion
-from ccgen.sensing.readings import Floats, readings
+from ccgen.joint import Joint, Sensor
+from ccgen.sensing.readings import length_changes
+from ccgen.shapes import Shapes
 
 Integers = NDArray[np.int64]
 
@@ -38,32 +38,24 @@ class DeclaredRange(Protocol):
         """Number n of sensors."""
 
 
-def lengths_per_radian(sensors: AxisSensors) -> Floats:
-    """Length change in metres per radian of normalised reading, p_j r; shape (n,)."""
-    return np.array([(b - a + 1) * sensors.radius for a, b in sensors.spans])
-
-
-def counts_of(sensors: AxisSensors, angles: Floats) -> Integers:
+def counts_of(joint: Joint, shapes: Shapes) -> Integers:
     """Counts that ideal transducers read at these shapes, zero at the straight pose.
 
-    Args:
-        sensors: spans, radius and transducer.
-        angles: shape (k, m), rad.
-
     Returns:
-        Shape (k, n).
+        Shape (k, n) for k shapes, in the joint's order of sensors.
     """
-    return np.rint(length_changes(sensors, angles) / sensors.transducer.metres_per_count).astype(
-        np.int64
-    )
+    step = np.array([sensor.metres_per_count for sensor in joint.sensors])
+    return np.asarray(np.rint(length_changes(joint, shapes.state) / step), dtype=np.int64)
 
 
-def length_changes(sensors: AxisSensors, angles: Floats) -> Floats:
-    """Changes of length in metres at these shapes; shape (k, n)."""
-    return np.asarray(readings(angles, sensors.spans) * lengths_per_radian(sensors))
+def within(sensor: Sensor, count: int) -> bool:
+    """Whether the transducer can give a count; its most negative one means "no reading"."""
+    largest = 2 ** (sensor.bits - 1) - 1
+    low, high = sensor.range or (-largest, largest)
+    return low <= count <= high
 
 
-def counts(joint: Joint, axes: Sequence[DeclaredRange], shapes: Motion) -> Integers:
+def counts(joint: Joint, axes: Sequence[DeclaredRange], shapes: Shapes) -> Integers:
     """What ideal transducers count at these shapes, clipped to their range.
 
     Args:
@@ -72,12 +64,13 @@ def counts(joint: Joint, axes: Sequence[DeclaredRange], shapes: Motion) -> Integ
         shapes: k snapshots.
 
     Returns:
-        Shape (k, nu + nv), u sensors first.
+        Shape (k, n), in the joint's order of sensors.
     """
-    u, v = axes
-    return np.concatenate(
-        [_axis_counts(joint.u, u, shapes.u), _axis_counts(joint.v, v, shapes.v)], axis=1
+    zero, low, high = (
+        np.concatenate([getattr(axis, name) for axis in axes])
+        for name in ("zero", "minimum", "maximum")
     )
+    return np.asarray(np.clip(zero + counts_of(joint, shapes), low, high), dtype=np.int64)
 
 
 def random_counts(axes: Sequence[DeclaredRange], count: int, seed: int = 0) -> Integers:
@@ -106,8 +99,3 @@ def _axis_corners(axis: DeclaredRange, rows: int) -> Integers:
     beside = np.minimum(axis.zero + 1, axis.maximum)
     turned = np.resize(corners, (rows, axis.sensors))
     return np.concatenate([turned, axis.zero[None, :], beside[None, :]])
-
-
-def _axis_counts(sensors: AxisSensors, axis: DeclaredRange, angles: Floats) -> Integers:
-    wanted = axis.zero + counts_of(sensors, angles)
-    return np.asarray(np.clip(wanted, axis.minimum, axis.maximum), dtype=np.int64)

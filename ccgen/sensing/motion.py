@@ -1,12 +1,11 @@
 """A joint in motion: shapes that change smoothly from one snapshot to the next."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.shapes import ShapeLibrary
+from ccgen.shapes import ShapeLibrary, Shapes, unstretched
 
 Floats = NDArray[np.float64]
 
@@ -17,15 +16,7 @@ _MODES = 4
 """Cosine modes of a random shape, each half as strong as the one before."""
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """A joint in motion: segment angles per snapshot, shape (k, m), radians."""
-
-    u: Floats
-    v: Floats
-
-
-def motion(source: str, library: ShapeLibrary, count: int, period: int, seed: int = 0) -> Motion:
+def motion(source: str, library: ShapeLibrary, count: int, period: int, seed: int = 0) -> Shapes:
     """Angles of `count` snapshots of one of `SOURCES`.
 
     Args:
@@ -39,7 +30,7 @@ def motion(source: str, library: ShapeLibrary, count: int, period: int, seed: in
     Raises:
         ValueError: unknown source.
     """
-    motions: dict[str, Callable[[Floats], Motion]] = {
+    motions: dict[str, Callable[[Floats], Shapes]] = {
         "cases": lambda turns: case_motion(library, turns),
         "random": lambda turns: random_motion(library, turns, seed),
         "sweep": lambda turns: sweep_motion(library, turns),
@@ -49,7 +40,7 @@ def motion(source: str, library: ShapeLibrary, count: int, period: int, seed: in
     return motions[source](np.arange(count) / period)
 
 
-def case_motion(library: ShapeLibrary, turns: Floats) -> Motion:
+def case_motion(library: ShapeLibrary, turns: Floats) -> Shapes:
     """Through every load case, there and back by turns, one round of all cases a turn.
 
     Between the library's shapes the angles are interpolated; the v axis is half a turn ahead.
@@ -59,10 +50,10 @@ def case_motion(library: ShapeLibrary, turns: Floats) -> Motion:
         turns: shape (k,), position along the motion.
     """
     tour = _tour(library)
-    return Motion(_along(tour, turns), _along(tour, turns + 0.5))
+    return unstretched(_along(tour, turns), _along(tour, turns + 0.5), source="cases")
 
 
-def random_motion(library: ShapeLibrary, turns: Floats, seed: int) -> Motion:
+def random_motion(library: ShapeLibrary, turns: Floats, seed: int) -> Shapes:
     """Smooth shapes within the range of motion that change smoothly from snapshot to snapshot.
 
     Every axis is a sum of cosine modes along the joint whose amplitudes oscillate at random rates.
@@ -76,17 +67,17 @@ def random_motion(library: ShapeLibrary, turns: Floats, seed: int) -> Motion:
     segments = library.angles.shape[1]
     place = (np.arange(segments) + 0.5) / segments
     modes = np.cos(np.pi * np.outer(np.arange(_MODES), place))
-    axes = []
-    for _ in range(2):
+    u, v = (np.empty((turns.size, segments)) for _ in range(2))
+    for angles in (u, v):
         strength = random.uniform(0.5, 1.0, _MODES) * 0.5 ** np.arange(_MODES)
         weight = strength / strength.sum() * library.range_of_motion
         rate = random.uniform(1.0, 4.0, _MODES)
         phase = random.uniform(0.0, 1.0, _MODES)
-        axes.append(np.sin(2 * np.pi * (np.outer(turns, rate) + phase)) * weight @ modes)
-    return Motion(*axes)
+        angles[:] = np.sin(2 * np.pi * (np.outer(turns, rate) + phase)) * weight @ modes
+    return unstretched(u, v, source="random")
 
 
-def sweep_motion(library: ShapeLibrary, turns: Floats) -> Motion:
+def sweep_motion(library: ShapeLibrary, turns: Floats) -> Shapes:
     """Constant curvature in a spiral: out to full range and back, four circles a turn.
 
     Args:
@@ -97,7 +88,8 @@ def sweep_motion(library: ShapeLibrary, turns: Floats) -> Motion:
     amplitude = library.range_of_motion * (0.5 - 0.5 * np.cos(2 * np.pi * turns))
     u = amplitude * np.cos(8 * np.pi * turns)
     v = amplitude * np.sin(8 * np.pi * turns)
-    return Motion(np.repeat(u[:, None], segments, axis=1), np.repeat(v[:, None], segments, axis=1))
+    along = np.ones(segments)
+    return unstretched(np.outer(u, along), np.outer(v, along), source="sweep")
 
 
 def _tour(library: ShapeLibrary) -> Floats:

@@ -1,4 +1,4 @@
-"""The noise of normalised readings."""
+"""The noise of readings: what is stated, what counting adds, what a gain leaves unknown."""
 
 from typing import TYPE_CHECKING
 
@@ -7,24 +7,54 @@ from numpy.typing import ArrayLike
 
 from ccgen.errors import InputError
 from ccgen.joint.layouts import Spans
-from ccgen.sensing.readings import Floats
+from ccgen.sensing.readings import Floats, normaliser, response
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
 
 
-def reading_noise(joint: "Joint", axis: str) -> Floats | None:
-    """Standard deviation of the normalised readings, shape (n,), radians; None if not stated.
+def stated_noise(joint: "Joint") -> Floats | None:
+    """Stated standard deviation of each length, shape (n,), metres; None if one is not stated."""
+    noise = [sensor.noise for sensor in joint.sensors if sensor.noise is not None]
+    return np.array(noise) if len(noise) == len(joint.sensors) else None
 
-    A transducer's noise in metres, the same for each sensor of the axis, over p_j r: a long span
-    averages it down.
+
+def length_variance(joint: "Joint", second_moment: Floats | None = None) -> Floats:
+    """Variance of each length's error, shape (n,), metres squared.
+
+    The stated noise (none where it is not stated), the step of the counts squared over 12, and
+    the gain tolerance squared times the mean square of the length change itself.
+
+    Args:
+        joint: its sensors.
+        second_moment: of the states, shape (2m + S, 2m + S), radians and shares; without it
+            gains count as known.
     """
-    sensors = joint.axis(axis)
-    if sensors.transducer.noise is None:
+    sensors = joint.sensors
+    noise = np.array([sensor.noise or 0.0 for sensor in sensors])
+    step = np.array([sensor.metres_per_count for sensor in sensors])
+    variance = np.square(noise) + np.square(step) / 12.0
+    if second_moment is None:
+        return np.asarray(variance)
+    H = response(joint)
+    tolerance = np.array([sensor.gain_tolerance for sensor in sensors])
+    lengths = np.einsum("ji,ik,jk->j", H, second_moment, H)
+    return np.asarray(variance + np.square(tolerance) * lengths)
+
+
+def reading_noise(joint: "Joint", axis: str) -> Floats | None:
+    """Stated standard deviation of the normalised readings of an output axis; None if not stated.
+
+    A transducer's noise in metres over p_j r: a long span averages it down.
+
+    Returns:
+        Shape (n,) for the n sensors that the axis reads, radians.
+    """
+    noise = stated_noise(joint)
+    if noise is None:
         return None
-    lengths = np.array([b - a + 1 for a, b in sensors.spans])
-    noise: Floats = sensors.transducer.noise / (lengths * sensors.radius)
-    return noise
+    own = joint.own(axis)
+    return np.asarray(noise[own] / normaliser(joint)[own])
 
 
 def checked_noise(noise_rad: ArrayLike, spans: Spans) -> Floats:

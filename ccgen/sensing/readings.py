@@ -1,15 +1,30 @@
-"""What sensors read of a shape: the normalised readings of the paper's equation (5).
+"""What sensors read of a shape: length changes, and the normalised readings of equation (5).
 
-A sensor over segments a to b measures a length change r * (phi_a + ... + phi_b), where r is its
-distance from the neutral axis. Divided by r and by the number p = b - a + 1 of its segments it
-becomes the mean bending angle over the span, in radians.
+A sensor over segments a to b, at distance r from the neutral axis and at angle alpha around it,
+measures a length change
+
+    y = sum_i [ r (u_i sin(alpha) - v_i cos(alpha)) + h0 e_i ],    i = a ... b,
+
+exact for constant curvature, with h0 the length of a segment and e_i the elongation, alike within
+a section: linear in the state (u, v, e), y = H x. Divided by r and by the number p = b - a + 1 of
+its segments it becomes the normalised reading, for the paper's two sets (90 and 180 degrees) the
+mean bending angle over the span, in radians.
 """
+
+import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ccgen.errors import InputError
 from ccgen.joint.layouts import Spans
+
+if TYPE_CHECKING:
+    from ccgen.joint import Joint, Sensor
+
+_EXACT = 1e-15
+"""Sines and cosines below are those of right angles, off by the rounding of pi."""
 
 Floats = NDArray[np.float64]
 SpansLike = Spans | NDArray[np.intp]
@@ -48,3 +63,83 @@ def readings(angles: ArrayLike, spans: SpansLike) -> Floats:
 def reading_matrix(segments: int, spans: Spans) -> Floats:
     """Matrix H, shape (n, m), with readings = H @ angles."""
     return readings(np.eye(segments), spans).T
+
+
+def response(joint: "Joint") -> Floats:
+    """Matrix H, shape (n, 2m + S), metres: length changes = H @ state.
+
+    Columns are u of all segments and v of all segments (metres per radian), then the elongation
+    of each section (metres per share of its length).
+    """
+    covered = coverage(joint)
+    radius = np.array([sensor.radius for sensor in joint.sensors])
+    sine, cosine = np.array([direction(sensor) for sensor in joint.sensors]).T
+    sections = np.repeat(np.eye(len(joint.geometry.sections)), joint.geometry.sections, axis=0)
+    return np.concatenate(
+        [
+            (radius * sine)[:, None] * covered,
+            -(radius * cosine)[:, None] * covered,
+            joint.geometry.segment_length * (covered @ sections),
+        ],
+        axis=1,
+    )
+
+
+def coverage(joint: "Joint") -> Floats:
+    """Share of each segment that each sensor covers, 0 to 1; shape (n, m)."""
+    base = np.arange(joint.geometry.segments, dtype=np.float64)
+    start, end = np.array([(sensor.start, sensor.end) for sensor in joint.sensors]).T
+    covered = np.minimum(end[:, None], base + 1.0) - np.maximum(start[:, None], base)
+    return np.asarray(np.clip(covered, 0.0, 1.0))
+
+
+def direction(sensor: "Sensor") -> tuple[float, float]:
+    """Sine and cosine of the sensor's angle, exact for right angles."""
+    sine, cosine = math.sin(sensor.angle), math.cos(sensor.angle)
+    if abs(sine) < _EXACT:
+        return 0.0, math.copysign(1.0, cosine)
+    if abs(cosine) < _EXACT:
+        return math.copysign(1.0, sine), 0.0
+    return sine, cosine
+
+
+def normaliser(joint: "Joint") -> Floats:
+    """Length change in metres of a normalised reading of 1, r_j p_j; shape (n,)."""
+    return np.array([sensor.segments * sensor.radius for sensor in joint.sensors])
+
+
+def length_changes(joint: "Joint", state: ArrayLike) -> Floats:
+    """Changes of length at these states.
+
+    Prefix sums along the joint, so that equal spans read the same to the last bit whatever else
+    there is to read.
+
+    Args:
+        joint: its sensors and geometry.
+        state: shape (..., 2m + S), radians and shares of the length.
+
+    Returns:
+        Shape (..., n), metres.
+    """
+    segments, sections = joint.geometry.segments, joint.geometry.sections
+    x = np.asarray(state, dtype=np.float64)
+    u, v, h = x[..., :segments], x[..., segments : 2 * segments], x[..., 2 * segments :]
+    means = [_means(part, joint) for part in (u, v, np.repeat(h, sections, axis=-1))]
+    sine, cosine = np.array([direction(sensor) for sensor in joint.sensors]).T
+    lengths = np.array([sensor.segments for sensor in joint.sensors])
+    bending = (sine * means[0] - cosine * means[1]) * normaliser(joint)
+    return np.asarray(bending + joint.geometry.segment_length * lengths * means[2])
+
+
+def _means(values: Floats, joint: "Joint") -> Floats:
+    """Mean over each sensor's span of values a segment, shape (..., n)."""
+    sums = np.zeros((*values.shape[:-1], values.shape[-1] + 1))
+    np.cumsum(values, axis=-1, out=sums[..., 1:])
+
+    def until(border: Floats) -> Floats:
+        whole = np.minimum(np.floor(border).astype(np.intp), values.shape[-1] - 1)
+        share = border - whole
+        return np.asarray((1.0 - share) * sums[..., whole] + share * sums[..., whole + 1])
+
+    start, end = np.array([(sensor.start, sensor.end) for sensor in joint.sensors]).T
+    return np.asarray((until(end) - until(start)) / (end - start))

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.joint import Joint
-from ccgen.kinematics import U_SENSOR_ANGLE, V_SENSOR_ANGLE, tendon_length, tip_pose
-from ccgen.sensing.counts import counts_of
-from ccgen.shapes import single_shape
+from ccgen.kinematics import tip_pose
+from ccgen.sensing.counts import counts_of, within
+from ccgen.sensing.readings import length_changes
+from ccgen.shapes import Shapes, single_shape, unstretched
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -54,26 +55,25 @@ def simulate(joint: Joint, case: str, first_segment: float, axis: str = "u") -> 
     bent = single_shape(geometry.segments, case, first_segment)
     straight = np.zeros(geometry.segments)
     u, v = (bent, straight) if axis == "u" else (straight, bent)
-    h = geometry.segment_length
-    lengths_u, lengths_v = (
-        tendon_length(u, v, h, joint.axis(name).radius, alpha)
-        for name, alpha in (("u", U_SENSOR_ANGLE), ("v", V_SENSOR_ANGLE))
-    )
+    shapes = unstretched(u[None], v[None], len(geometry.sections), case)
     return Simulation(
-        u=_sensed(joint, "u", u, lengths_u),
-        v=_sensed(joint, "v", v, lengths_v),
-        tip_pose=tip_pose(u, v, h),
+        u=_sensed(joint, "u", shapes, u),
+        v=_sensed(joint, "v", shapes, v),
+        tip_pose=tip_pose(u, v, geometry.segment_length),
     )
 
 
-def _sensed(joint: Joint, axis: str, angles: Floats, segment_lengths: Floats) -> SensedAxis:
-    sensors = joint.axis(axis)
-    counts = counts_of(sensors, angles[None, :])[0]
-    largest = 2 ** (sensors.transducer.bits - 1) - 1
-    low, high = sensors.transducer.range or (-largest, largest)
+def _sensed(joint: Joint, axis: str, shapes: Shapes, angles: Floats) -> SensedAxis:
+    own = joint.own(axis)
+    sensors, counts = joint.sensors[own], counts_of(joint, shapes)[0, own]
+    unbent = joint.geometry.segment_length * np.array([sensor.segments for sensor in sensors])
     return SensedAxis(
         angles=angles,
-        lengths=np.array([segment_lengths[a : b + 1].sum() for a, b in sensors.spans]),
+        lengths=unbent + length_changes(joint, shapes.state)[0, own],
         counts=counts,
-        out_of_range=tuple(np.flatnonzero((counts < low) | (counts > high)).tolist()),
+        out_of_range=tuple(
+            j
+            for j, (sensor, count) in enumerate(zip(sensors, counts, strict=True))
+            if not within(sensor, int(count))
+        ),
     )

@@ -9,13 +9,17 @@ from ccgen.shapes.cases import (
     shape_library,
     single_shape,
 )
+from ccgen.shapes.library import Shapes, joined, unstretched
 
 __all__ = [
     "ShapeLibrary",
+    "Shapes",
     "amplitudes",
     "beyond_fold",
     "fit_library",
+    "joined",
     "score_library",
     "shape_library",
     "single_shape",
+    "unstretched",
 ]

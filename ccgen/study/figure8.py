@@ -69,7 +69,7 @@ def figure8_csv() -> bytes:
 
 
 def _estimators(joint: Joint) -> dict[str, Weights]:
-    library, spans = fit_library(joint), joint.u.spans
+    library, spans = fit_library(joint), joint.axis("u").spans
     return {
         "DEM": fit_weights("direct", library, end_to_end(12, len(spans))),
         "E-WAM": fit_weights("equal", library, spans),

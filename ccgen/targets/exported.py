@@ -63,7 +63,7 @@ def open_exported(directory: Path) -> Exported:
     read_manifest(directory)
     joint, model = read_joint(directory / "joint.toml"), load_model(directory / "model.json")
     for axis in AXES:
-        expected = (joint.geometry.segments, len(joint.axis(axis).spans))
+        expected = (joint.geometry.segments, len(joint.sensors[joint.own(axis)]))
         if model.axis(axis).weights.shape != expected or model.precision != joint.precision:
             raise InputError(
                 f"{directory}: model.json is not of the joint in joint.toml (axis {axis}); "

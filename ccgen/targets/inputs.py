@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.sensing.counts import corner_counts, counts, random_counts
-from ccgen.sensing.motion import Motion
-from ccgen.shapes import fit_library
+from ccgen.shapes import fit_library, unstretched
 from ccgen.targets.exported import Exported
 
 Integers = NDArray[np.int64]
@@ -31,5 +30,5 @@ def shape_counts(exported: Exported) -> Integers:
     """Counts of the shape library, the v axis bent by each shape's mirror image."""
     angles = fit_library(exported.joint).angles
     return counts(
-        exported.joint, (exported.model.u, exported.model.v), Motion(angles, -angles[::-1])
+        exported.joint, (exported.model.u, exported.model.v), unstretched(angles, -angles[::-1])
     )
