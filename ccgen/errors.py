@@ -11,6 +11,22 @@ class InputError(CcgenError):
     """Bad input: the message names the file, the key and what would be right."""
 
 
+class ArgumentError(InputError):
+    """A value that a function cannot take; the command line says its options instead.
+
+    Attributes:
+        problem: what is wrong, and what would be right.
+        arguments: names of the arguments that it concerns.
+    """
+
+    def __init__(self, problem: str, *arguments: str) -> None:
+        super().__init__(problem, *arguments)
+        self.problem, self.arguments = problem, arguments
+
+    def __str__(self) -> str:
+        return f"{', '.join(self.arguments)}: {self.problem}"
+
+
 class ReachError(InputError):
     """A bending angle that no point of a load case reaches; names the reachable one."""
 

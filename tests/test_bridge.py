@@ -124,7 +124,7 @@ def test_an_interface_that_does_not_open_is_bad_input(folder, capsys):
         "bridge", str(folder), "--interface", "slcan", "--channel", "/dev/nowhere", "--seconds", "1"
     )
     assert status == 2
-    assert "--interface slcan /dev/nowhere: cannot be opened" in capsys.readouterr().err
+    assert "--interface: slcan /dev/nowhere cannot be opened" in capsys.readouterr().err
 
 
 def test_a_folder_that_is_no_export_is_bad_input(tmp_path, capsys):

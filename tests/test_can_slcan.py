@@ -208,17 +208,17 @@ def test_an_error_in_the_block_still_ends_the_process(program):
 
 def test_an_interface_that_does_not_open_is_bad_input():
     with (
-        pytest.raises(InputError, match="--interface slcan /dev/nowhere: cannot be opened"),
+        pytest.raises(InputError, match="interface: slcan /dev/nowhere cannot be opened"),
         interface_node(LAYOUT, "slcan", "/dev/nowhere"),
     ):
         pass
     with (
-        pytest.raises(InputError, match="--interface pigeon: cannot be opened"),
+        pytest.raises(InputError, match="interface: pigeon cannot be opened"),
         interface_node(LAYOUT, "pigeon"),
     ):
         pass
     with (
-        pytest.raises(InputError, match="name a serial device with --channel"),
+        pytest.raises(InputError, match="name a serial device as channel"),
         interface_node(LAYOUT, "slcan"),
     ):
         pass

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Annotated
 
 import pytest
 import typer
@@ -14,7 +15,7 @@ from ccgen.cli.failures import in_one_line
 from ccgen.cli.init import joint_text
 from ccgen.cli.main import app, main
 from ccgen.cli.output import print_json
-from ccgen.errors import CheckError, InputError
+from ccgen.errors import ArgumentError, CheckError, InputError
 from ccgen.joint.file import parse_joint
 
 REQUIRED_ONLY = """\
@@ -176,6 +177,21 @@ def test_errors_are_one_line_and_a_status(capsys, error, status, line):
         in_one_line(command)()
     assert end.value.exit_code == status
     assert capsys.readouterr() == ("", line)
+
+
+def test_an_error_of_an_argument_names_the_word_of_the_command_that_has_it(capsys):
+    def command(
+        directory: Annotated[Path, typer.Argument(metavar="DIR")],
+        output: Annotated[str, typer.Option("-o", "--output-file")] = "",
+        max_ram: Annotated[int, typer.Option()] = 0,
+    ) -> None:
+        raise ArgumentError("do not fit; give others", "directory", "output", "max_ram")
+
+    with pytest.raises(typer.Exit):
+        in_one_line(command)(Path())
+    assert capsys.readouterr().err == (
+        "ccgen: error: DIR, --output-file, --max-ram: do not fit; give others\n"
+    )
 
 
 def test_a_defect_of_the_program_keeps_its_traceback():

@@ -175,7 +175,7 @@ def test_without_the_extra_the_message_says_how_to_install_it(shoulder):
 def test_an_unknown_target_is_refused(shoulder):
     result = run(shoulder, "--target", "z80")
     assert result.exit_code == 2
-    assert "--target z80: unknown; known: host, cortex-m0" in result.stderr
+    assert "--target: z80 is unknown; known: host, cortex-m0" in result.stderr
 
 
 DISASSEMBLY = """

@@ -119,9 +119,9 @@ def test_no_allowed_placement_is_an_error():
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"individuals": 0}, "--individuals: 0 is too small; give at least 1"),
-        ({"generations": -1}, "--generations: -1 is too small; give at least 0"),
-        ({"seed": -1}, "--seed: -1 is too small; give at least 0"),
+        ({"individuals": 0}, "individuals: 0 is too small; give at least 1"),
+        ({"generations": -1}, "generations: -1 is too small; give at least 0"),
+        ({"seed": -1}, "seed: -1 is too small; give at least 0"),
         ({"tournament": 0}, "tournaments of 0"),
         ({"crossover": 1.5}, "probability 1.5"),
         ({"mutation": -0.1}, "probability -0.1"),

@@ -262,12 +262,12 @@ def test_search_is_never_worse_than_the_heuristic():
 @pytest.mark.parametrize(
     ("limits", "message"),
     [
-        ({"shortest": 0}, "spans of 0 to 12"),
+        ({"shortest": 0}, "shortest, longest: spans of 0 to 12"),
         ({"longest": 13}, "spans of 1 to 13"),
-        ({"forbidden": (12,)}, "forbidden segment 12"),
-        ({"fixed": ((3, 12),)}, r"fixed span \[3, 12\]"),
-        ({"fixed": ((0, 1), (2, 3), (4, 5))}, "3 fixed spans"),
-        ({"stacked": 0}, "at most 0 sensors"),
+        ({"forbidden": (12,)}, "forbidden: segment 12"),
+        ({"fixed": ((3, 12),)}, r"fixed: span \[3, 12\]"),
+        ({"fixed": ((0, 1), (2, 3), (4, 5))}, "fixed: 3 spans"),
+        ({"stacked": 0}, "stacked: at most 0 sensors"),
     ],
 )
 def test_senseless_constraints_are_refused(limits, message):
@@ -278,9 +278,9 @@ def test_senseless_constraints_are_refused(limits, message):
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"enumerated": -1}, "--enumerate: -1 is too small; give at least 0"),
-        ({"starts": 0}, "--starts: 0 is too small; give at least 1"),
-        ({"seed": -1}, "--seed: -1 is too small; give at least 0"),
+        ({"enumerated": -1}, "enumerated: -1 is too small; give at least 0"),
+        ({"starts": 0}, "starts: 0 is too small; give at least 1"),
+        ({"seed": -1}, "seed: -1 is too small; give at least 0"),
     ],
 )
 def test_impossible_settings_are_refused(wrong, message):

@@ -73,6 +73,20 @@ def test_no_room_imports_what_the_table_does_not_allow():
     assert broken == []
 
 
+def test_errors_of_the_library_name_no_options_of_the_command_line():
+    named = [
+        f"{name}, line {node.lineno}: {word}"
+        for name, path in modules().items()
+        if room(name) != "cli"
+        for error in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(error, ast.Raise)
+        for node in ast.walk(error)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+        for word in re.findall(r"(?<![`\w-])--[a-z][a-z-]+", node.value)
+    ]
+    assert named == []
+
+
 def test_no_module_imports_itself_in_a_circle():
     known = modules()
     graph = {

@@ -77,12 +77,12 @@ def same_files(one, other):
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
-    with spread.processes(2) as executor:
+    with spread.on_processes(2) as executor:
         return run(tmp_path_factory.mktemp("undisturbed"), executor)
 
 
 def test_order_and_number_of_processes_leave_every_byte_alone(undisturbed, tmp_path):
-    with spread.processes(1) as executor:
+    with spread.on_processes(1) as executor:
         again = run(tmp_path, executor, joints=JOINTS)
     assert same_files(undisturbed, again)
 
@@ -93,7 +93,7 @@ def test_a_dask_cluster_of_two_workers_gives_the_same_bytes(undisturbed, tmp_pat
     # Two threads each: joints that share a worker must not share random numbers either.
     with (
         LocalCluster(n_workers=2, threads_per_worker=2, dashboard_address=":0") as workers,
-        spread.cluster(workers.scheduler_address, PATIENCE) as executor,
+        spread.on_cluster(workers.scheduler_address, PATIENCE) as executor,
     ):
         on_cluster = run(tmp_path, executor)
     assert same_files(undisturbed, on_cluster)
@@ -102,7 +102,7 @@ def test_a_dask_cluster_of_two_workers_gives_the_same_bytes(undisturbed, tmp_pat
 def test_no_scheduler_is_one_line():
     with (
         pytest.raises(InputError, match="no Dask scheduler answers at tcp://127"),
-        spread.cluster("tcp://127.0.0.1:1", timeout=0.3),
+        spread.on_cluster("tcp://127.0.0.1:1", timeout=0.3),
     ):
         raise AssertionError("connected")
 
@@ -164,7 +164,7 @@ def test_an_error_cancels_what_waits_on_a_cluster(scheduler):
     waiting = []
 
     def interrupted():
-        with spread.cluster(address_of(scheduler), PATIENCE) as executor:
+        with spread.on_cluster(address_of(scheduler), PATIENCE) as executor:
             waiting.append(executor.submit(os.getpid))
             raise KeyboardInterrupt
 
@@ -177,7 +177,7 @@ def test_an_error_cancels_what_waits_on_a_cluster(scheduler):
 def test_a_process_that_is_killed_is_one_line():
     with (
         pytest.raises(ToolError, match="finished joints are kept"),
-        spread.processes(1) as executor,
+        spread.on_processes(1) as executor,
     ):
         executor.submit(os.abort).result()
 
@@ -262,7 +262,7 @@ def test_a_file_of_another_joint_is_not_taken_for_this_one(undisturbed, tmp_path
     shutil.copy(joints / "m12-rom8.json", joints / "m12-rom3.json")
     shutil.copy(joints / "m12-rom3.json", joints / "m16-rom1.json")
     seen = []
-    with spread.processes(1) as executor:
+    with spread.on_processes(1) as executor:
         again = run(tmp_path / "out", executor, finished=lambda *what: seen.append(what))
     assert sorted(seen) == [(joint, joint == StudyJoint(12, 8)) for joint in JOINTS]
     assert same_files(undisturbed, again)
@@ -347,7 +347,7 @@ def test_workers_end_when_their_parent_is_killed(tmp_path):
         "import time\n"
         "from ccgen.study import spread\n"
         "if __name__ == '__main__':\n"
-        "    with spread.processes(1) as executor:\n"
+        "    with spread.on_processes(1) as executor:\n"
         "        print(executor.submit(__import__('os').getpid).result(), flush=True)\n"
         "        time.sleep(60)\n"
     )
@@ -365,7 +365,7 @@ def test_an_error_ends_joints_in_work_at_once():
     workers = []
 
     def interrupted():
-        with spread.processes(1) as executor:
+        with spread.on_processes(1) as executor:
             workers.append(executor.submit(os.getpid).result())
             executor.submit(time.sleep, 2 * PATIENCE)
             raise KeyboardInterrupt
@@ -376,12 +376,12 @@ def test_an_error_ends_joints_in_work_at_once():
 
 
 def test_processes_work_with_one_thread_each():
-    with spread.processes(1) as executor:
+    with spread.on_processes(1) as executor:
         assert executor.submit(os.getenv, "OPENBLAS_NUM_THREADS").result() == "1"
 
 
 def test_no_process_is_refused():
-    with pytest.raises(InputError, match="--processes: 0"), spread.processes(0):
+    with pytest.raises(InputError, match="processes: 0"), spread.on_processes(0):
         raise AssertionError("started")
 
 

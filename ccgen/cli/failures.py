@@ -4,12 +4,13 @@ import functools
 import sys
 import traceback
 from collections.abc import Callable
-from typing import ParamSpec
+from typing import Any, ParamSpec, get_type_hints
 
 import typer
+from typer.models import ArgumentInfo
 
 from ccgen.cli.output import note
-from ccgen.errors import CcgenError
+from ccgen.errors import ArgumentError, CcgenError
 
 P = ParamSpec("P")
 
@@ -27,6 +28,9 @@ def in_one_line(command: Callable[P, None]) -> Callable[P, None]:
     def run(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
             command(*args, **kwargs)
+        except ArgumentError as error:
+            names = ", ".join(_option(command, argument) for argument in error.arguments)
+            _fail(f"{names}: {error.problem}", error.exit_status)
         except CcgenError as error:
             _fail(str(error), error.exit_status)
         except BrokenPipeError:
@@ -35,6 +39,17 @@ def in_one_line(command: Callable[P, None]) -> Callable[P, None]:
             _fail(_system_message(error), CcgenError.exit_status)
 
     return run
+
+
+def _option(command: Callable[..., Any], argument: str) -> str:
+    """The option, or the word, through which a command has the argument of that name."""
+    (declared,) = get_type_hints(command, include_extras=True)[argument].__metadata__
+    if isinstance(declared, ArgumentInfo):
+        return declared.metavar or argument.upper()
+    # Where a parameter is annotated, Typer keeps its first name in the place of the default.
+    words = [str(word) for word in (declared.default, *(declared.param_decls or ()))]
+    names = [word for word in words if word.startswith("--")]
+    return names[0] if names else f"--{argument.replace('_', '-')}"
 
 
 def _fail(message: str, status: int) -> None:

@@ -85,10 +85,10 @@ def _executor(processes: int | None, scheduler: str | None) -> "AbstractContextM
     from ccgen.study import spread
 
     if scheduler is None:
-        return spread.processes(processes)
+        return spread.on_processes(processes)
     if processes is not None:
         raise InputError("--processes: the cluster at --scheduler has its own; give one of the two")
-    return spread.cluster(scheduler)
+    return spread.on_cluster(scheduler)
 
 
 @contextmanager

@@ -2,7 +2,7 @@
 
 import platform
 
-from ccgen.errors import InputError
+from ccgen.errors import ArgumentError
 from ccgen.targets.cores import CORES as MICROCONTROLLERS
 from ccgen.targets.cores import Core, Tool
 
@@ -25,10 +25,10 @@ def core_named(target: str) -> Core:
     """Return a target by its name.
 
     Raises:
-        InputError: unknown target.
+        ArgumentError: unknown target.
     """
     if target not in TARGETS:
-        raise InputError(f"--target {target}: unknown; known: {', '.join(TARGETS)}")
+        raise ArgumentError(f"{target} is unknown; known: {', '.join(TARGETS)}", "target")
     return _host() if target == HOST else MICROCONTROLLERS[target]
 
 
@@ -36,7 +36,7 @@ def missing_tools(target: str) -> list[str]:
     """Debian packages that measuring needs and that are not installed.
 
     Raises:
-        InputError: unknown target.
+        ArgumentError: unknown target.
     """
     needed = (tool for tool in core_named(target).tools if tool.package not in _EMULATORS)
     return list(dict.fromkeys(tool.package for tool in needed if not tool.present()))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.errors import InputError
+from ccgen.errors import ArgumentError
 from ccgen.joint.layouts import Spans
 
 Indices = NDArray[np.intp]
@@ -34,36 +34,38 @@ class Constraints:
         """Refuse limits that make no sense for a joint.
 
         Raises:
-            InputError: which limit, and what would be right.
+            ArgumentError: which limit, and what would be right.
         """
         if sensors < 1:
-            raise InputError(f"{sensors} sensors measure nothing; give at least 1")
+            raise ArgumentError(f"{sensors} sensors measure nothing; give at least 1", "sensors")
         longest = segments if self.longest is None else self.longest
         if not 1 <= self.shortest <= longest <= segments:
-            raise InputError(
-                f"--min-span, --max-span: spans of {self.shortest} to {longest} segments do not"
-                f" fit a joint of {segments}; give 1 <= shortest <= longest <= {segments}"
+            raise ArgumentError(
+                f"spans of {self.shortest} to {longest} segments do not fit a joint of {segments};"
+                f" give 1 <= shortest <= longest <= {segments}",
+                "shortest",
+                "longest",
             )
         for segment in self.forbidden:
             if not 0 <= segment < segments:
-                raise InputError(
-                    f"--forbid: forbidden segment {segment} does not exist;"
-                    f" give 0 to {segments - 1}"
+                raise ArgumentError(
+                    f"segment {segment} does not exist; give 0 to {segments - 1}", "forbidden"
                 )
         for first, last in self.fixed:
             if not 0 <= first <= last < segments:
-                raise InputError(
-                    f"--fix: fixed span [{first}, {last}] does not fit;"
-                    f" give 0 <= first <= last <= {segments - 1}"
+                raise ArgumentError(
+                    f"span [{first}, {last}] does not fit;"
+                    f" give 0 <= first <= last <= {segments - 1}",
+                    "fixed",
                 )
         if len(self.fixed) > sensors:
-            raise InputError(
-                f"--fix: {len(self.fixed)} fixed spans are more than {sensors} sensors"
+            raise ArgumentError(
+                f"{len(self.fixed)} spans are more than {sensors} sensors; leave some out", "fixed"
             )
         if self.stacked is not None and self.stacked < 1:
-            raise InputError(
-                f"--max-stacked: at most {self.stacked} sensors over a segment leave it bare;"
-                " give at least 1"
+            raise ArgumentError(
+                f"at most {self.stacked} sensors over a segment leave it bare; give at least 1",
+                "stacked",
             )
 
     def allowed(self, segments: int) -> NDArray[np.bool_]:

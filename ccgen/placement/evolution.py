@@ -23,7 +23,7 @@ from ccgen.joint.layouts import Spans, heuristic
 from ccgen.placement.compare import best_of
 from ccgen.placement.objective import Floats, Indices
 from ccgen.placement.problem import Placement, Problem
-from ccgen.placement.settings import Report, at_least, silent
+from ccgen.placement.settings import Report, require_least, silent
 
 WORST = 200.0
 """Fitness of an invalid individual: 2 ROM for every angle, in % of ROM."""
@@ -63,9 +63,9 @@ class Evolution:
         Raises:
             InputError: which, and what would be right.
         """
-        at_least(1, "individuals", self.individuals)
-        at_least(0, "generations", self.generations)
-        at_least(0, "seed", self.seed)
+        require_least(1, "individuals", self.individuals)
+        require_least(0, "generations", self.generations)
+        require_least(0, "seed", self.seed)
         if self.tournament < 1:
             raise InputError(f"tournaments of {self.tournament} have no winner; give at least 1")
         for share in (self.crossover, self.mutation, self.gene_mutation):

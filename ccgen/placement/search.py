@@ -14,7 +14,7 @@ from ccgen.placement.descent import BROKEN, Descent
 from ccgen.placement.exhaustive import Walk, count_allowed, covering
 from ccgen.placement.objective import Indices
 from ccgen.placement.problem import Placement, Problem, as_spans
-from ccgen.placement.settings import Report, at_least, silent
+from ccgen.placement.settings import Report, require_least, silent
 
 _FINALISTS = 32
 """Best placements met whose objective is computed again without approximation."""
@@ -47,9 +47,9 @@ class Search:
         Raises:
             InputError: which, and what would be right.
         """
-        at_least(0, "enumerate", self.enumerated)
-        at_least(1, "starts", self.starts)
-        at_least(0, "seed", self.seed)
+        require_least(0, "enumerated", self.enumerated)
+        require_least(1, "starts", self.starts)
+        require_least(0, "seed", self.seed)
 
 
 def search(

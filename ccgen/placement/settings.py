@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from ccgen.errors import InputError
+from ccgen.errors import ArgumentError
 
 Report = Callable[[int, int], None]
 """Called with how much of a method's work is done, and how much there is."""
@@ -12,11 +12,11 @@ def silent(done: int, total: int) -> None:
     """Ignore progress."""
 
 
-def at_least(least: int, option: str, value: int) -> None:
-    """Refuse a value of an option that is too small.
+def require_least(least: int, argument: str, value: int) -> None:
+    """Refuse a value of an argument that is too small.
 
     Raises:
-        InputError: naming the option.
+        ArgumentError: naming the argument.
     """
     if value < least:
-        raise InputError(f"--{option}: {value} is too small; give at least {least}")
+        raise ArgumentError(f"{value} is too small; give at least {least}", argument)

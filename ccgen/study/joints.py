@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ccgen.errors import InputError
+from ccgen.errors import ArgumentError
 from ccgen.estimation import direct, equal, score_percent_rom, wam, wam_paper_call
 from ccgen.joint.layouts import Spans, end_to_end, heuristic, single
 from ccgen.placement import Evolution, Placement, Problem, Search, evolve, search
@@ -70,15 +70,15 @@ def all_joints() -> tuple[StudyJoint, ...]:
     return tuple(StudyJoint(m, rom) for m in SEGMENTS for rom in RANGES_OF_MOTION_DEG)
 
 
-def chosen_joints(text: str) -> tuple[StudyJoint, ...]:
+def chosen_joints(joints: str) -> tuple[StudyJoint, ...]:
     """Joints named by a list such as "12:3,48:8", or "12" for all ranges of motion.
 
     Raises:
-        InputError: not such a list, or a joint that is not in Table 1.
+        ArgumentError: not such a list, or a joint that is not in Table 1.
     """
     known = all_joints()
     chosen: set[StudyJoint] = set()
-    for item in text.split(","):
+    for item in joints.split(","):
         segments, _, degrees = item.strip().partition(":")
         matches = {
             joint
@@ -86,10 +86,11 @@ def chosen_joints(text: str) -> tuple[StudyJoint, ...]:
             if str(joint.segments) == segments and degrees in ("", str(joint.range_of_motion_deg))
         }
         if not matches:
-            raise InputError(
-                f"--joints: {item.strip()!r} is no joint of Table 1; give SEGMENTS:DEGREES with"
+            raise ArgumentError(
+                f"{item.strip()!r} is no joint of Table 1; give SEGMENTS:DEGREES with"
                 f" segments {SEGMENTS[0]}, {SEGMENTS[1]} to {SEGMENTS[-1]} and degrees"
-                f" {RANGES_OF_MOTION_DEG[0]} to {RANGES_OF_MOTION_DEG[-1]}, such as 12:3,48:8"
+                f" {RANGES_OF_MOTION_DEG[0]} to {RANGES_OF_MOTION_DEG[-1]}, such as 12:3,48:8",
+                "joints",
             )
         chosen |= matches
     return tuple(sorted(chosen))

@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Any
 
-from ccgen.errors import InputError, ToolError
+from ccgen.errors import ArgumentError, ToolError
 
 _RESUME = "finished joints are kept, and the same command studies the others"
 
@@ -23,21 +23,23 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @contextmanager
-def processes(count: int | None = None) -> Iterator[Executor]:
+def on_processes(processes: int | None = None) -> Iterator[Executor]:
     """Give an executor of so many processes; by default one for each processor.
 
     Linear algebra runs on one thread in each: more would contend for the same processors.
 
     Raises:
-        InputError: fewer than one process; ToolError: one of them ended before its work was done.
+        ArgumentError: fewer than one process; ToolError: one of them ended before its work was
+            done.
     """
-    if count is not None and count < 1:
-        raise InputError(f"--processes: {count} processes do nothing; give at least 1")
+    if processes is not None and processes < 1:
+        raise ArgumentError(f"{processes} do nothing; give at least 1", "processes")
     from multiprocessing import active_children, get_context
 
     # Spawned processes read these when they load the libraries.
     with _environment(dict.fromkeys(_THREADS, "1")):
-        executor = ProcessPoolExecutor(count or _processors(), get_context("spawn"), _begin_work)
+        number = processes or _processors()
+        executor = ProcessPoolExecutor(number, get_context("spawn"), _begin_work)
         others = set(active_children())
         cancel = partial(executor.shutdown, wait=False, cancel_futures=True)
         try:
@@ -46,7 +48,7 @@ def processes(count: int | None = None) -> Iterator[Executor]:
         except BrokenProcessPool as error:
             raise ToolError(
                 f"a process of the study was killed, maybe for want of memory; {_RESUME}"
-                " (fewer --processes need less)"
+                " (fewer processes need less)"
             ) from error
         except BaseException:
             # Joints in work would keep the program from ending.
@@ -56,16 +58,16 @@ def processes(count: int | None = None) -> Iterator[Executor]:
 
 
 @contextmanager
-def cluster(address: str, timeout: float = 10.0) -> Iterator[Executor]:
+def on_cluster(scheduler: str, timeout: float = 10.0) -> Iterator[Executor]:
     """Give an executor on the workers of a Dask scheduler, which need ccgen installed.
 
     Args:
-        address: the scheduler's.
+        scheduler: its address.
         timeout: how long to wait for it to answer, seconds.
 
     Raises:
         ToolError: Dask is not installed, or the cluster was lost before the work was done;
-            InputError: no scheduler answers there.
+            ArgumentError: no scheduler answers there.
     """
     try:
         from distributed import KilledWorker
@@ -73,7 +75,7 @@ def cluster(address: str, timeout: float = 10.0) -> Iterator[Executor]:
         from distributed.comm.core import CommClosedError
     except ImportError as error:
         raise ToolError(
-            "--scheduler needs Dask, which is not installed; pip install 'ccgen[distributed]'"
+            "a cluster needs Dask, which is not installed; pip install 'ccgen[distributed]'"
         ) from error
     # A scheduler that is gone cancels what it had.
     lost = (CancelledError, ClosedClientError, CommClosedError, KilledWorker, TimeoutError)
@@ -83,22 +85,22 @@ def cluster(address: str, timeout: float = 10.0) -> Iterator[Executor]:
             executor.shutdown(wait=False)
 
     try:
-        with _client(address, timeout) as client:
+        with _client(scheduler, timeout) as client:
             executor = client.get_executor(pure=False)
             with _cancelled_on_error(executor, cancel):
                 yield executor
     except lost as error:
         raise ToolError(
-            f"the Dask cluster at {address} was lost; {_RESUME} once a cluster is up again"
+            f"the Dask cluster at {scheduler} was lost; {_RESUME} once a cluster is up again"
         ) from error
 
 
 @contextmanager
-def _client(address: str, timeout: float) -> Iterator[Any]:
+def _client(scheduler: str, timeout: float) -> Iterator[Any]:
     """Give a client of a Dask scheduler, closed in the end even if it never got a connection.
 
     Raises:
-        InputError: no scheduler answers there.
+        ArgumentError: no scheduler answers there.
     """
     from distributed import Client
 
@@ -110,11 +112,12 @@ def _client(address: str, timeout: float) -> Iterator[Any]:
         log.setLevel(logging.CRITICAL)
     try:
         try:
-            client.__init__(address, timeout=timeout, set_as_default=False)
+            client.__init__(scheduler, timeout=timeout, set_as_default=False)
         except (ImportError, OSError, TypeError, ValueError) as error:
-            raise InputError(
-                f"--scheduler: no Dask scheduler answers at {address};"
-                " give the address that it prints, such as tcp://192.0.2.1:8786"
+            raise ArgumentError(
+                f"no Dask scheduler answers at {scheduler};"
+                " give the address that it prints, such as tcp://192.0.2.1:8786",
+                "scheduler",
             ) from error
         yield client
     finally:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ccgen.errors import InputError, ToolError
+from ccgen.errors import ArgumentError, ToolError
 from ccgen.targets.build import WARNINGS, compiler, run_compiler, sources
 
 FLAGS = ("-std=c99", "-g", "-ffunction-sections", "-fdata-sections", "-ffp-contract=off", *WARNINGS)
@@ -146,10 +146,10 @@ def core_named(target: str) -> Core:
     """Return a target by its name.
 
     Raises:
-        InputError: there is none.
+        ArgumentError: there is none.
     """
     if target not in CORES:
-        raise InputError(f"--target {target}: unknown; known: {', '.join(CORES)}")
+        raise ArgumentError(f"{target} is unknown; known: {', '.join(CORES)}", "target")
     return CORES[target]
 
 
@@ -166,9 +166,7 @@ def require_tools(target: str) -> None:
     """
     missing = " ".join(missing_tools(target))
     if missing:
-        raise ToolError(
-            f"--target {target}: needs {missing}; install with `apt-get install {missing}`"
-        )
+        raise ToolError(f"{target}: needs {missing}; install with `apt-get install {missing}`")
 
 
 def build(directory: Path, core: Core, program: str, out: Path, options: Sequence[str]) -> Path:

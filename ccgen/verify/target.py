@@ -1,6 +1,6 @@
 """Targets by name: the host, or a microcontroller's core in an emulator."""
 
-from ccgen.errors import InputError
+from ccgen.errors import ArgumentError
 from ccgen.targets.build import LEVEL
 from ccgen.targets.cores import CORES
 from ccgen.targets.exported import Exported
@@ -18,11 +18,11 @@ def verify_target(
     """Verify a folder on one target, compiled at a level; a record for each transport.
 
     Raises:
-        InputError: unknown target.
+        ArgumentError: unknown target.
         ToolError: a compiler or an emulator is missing, or does not accept the folder.
     """
     if target not in TARGETS:
-        raise InputError(f"--target {target}: unknown; known: {', '.join(TARGETS)}")
+        raise ArgumentError(f"{target} is unknown; known: {', '.join(TARGETS)}", "target")
     if target in CORES:
         return verify_core(exported, target, plan, report, level)
     return host.verify(exported, plan, report, level)

@@ -27,7 +27,7 @@ def main():
     parser.add_argument("--joints")
     options = parser.parse_args()
     joints = chosen_joints(options.joints) if options.joints else all_joints()
-    with spread.processes(options.processes) as executor:
+    with spread.on_processes(options.processes) as executor:
         contests = [
             executor.submit(contest, joint, sensors, options.seeds)
             for joint in joints

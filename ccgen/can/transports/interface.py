@@ -8,7 +8,7 @@ import can
 
 from ccgen.can.layout import FrameLayout
 from ccgen.can.transports.slcan import BlockSlcanBus
-from ccgen.errors import InputError
+from ccgen.errors import ArgumentError
 
 _CHANNELS = {"slcan": "a serial device", "socketcan": "a network interface, such as can0,"}
 """The interfaces with a bus class of our own, and what their channel is."""
@@ -30,13 +30,13 @@ def interface_node(
         bitrate: bits per second; None leaves the interface as it is set up, as SocketCAN always is.
 
     Raises:
-        InputError: python-can does not know the interface or cannot open it.
+        ArgumentError: python-can does not know the interface or cannot open it.
     """
     try:
         bus = _open(layout, interface, channel, bitrate)
     except (can.CanError, OSError, ValueError, TypeError, ImportError) as error:
         where = f"{interface} {channel or ''}".strip()
-        raise InputError(f"--interface {where}: cannot be opened: {error}") from error
+        raise ArgumentError(f"{where} cannot be opened: {error}", "interface") from error
     with bus:
         bus.set_filters([_neighbourhood(layout)])
         yield bus
@@ -51,7 +51,7 @@ def _open(
             options["fd"] = True
         return can.Bus(interface=interface, channel=channel, **options)
     if channel is None:
-        raise ValueError(f"name {_CHANNELS[interface]} with --channel")
+        raise ValueError(f"name {_CHANNELS[interface]} as channel")
     if interface == "slcan":
         return BlockSlcanBus(channel, **options)
     # Imported here: it exists on Linux alone.
