@@ -24,6 +24,7 @@ from ccgen.joint import (
 from ccgen.joint.file import parse_joint, read_joint
 from ccgen.joint.layouts import LAYOUTS
 from ccgen.joint.names import LONGEST_NAME, name_problem
+from ccgen.joint.places import has_own_table, sensor_key
 from ccgen.joint.tables import AxisTable, EstimatorTable, JointTable, ShapesTable
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -156,8 +157,12 @@ def test_one_axis_replaces_single_keys():
     assert (len(joint.u.spans), joint.u.radius) == (2, 0.05)
     assert joint.u.transducer == Transducer(16, 2e-6, None, None)
     assert (len(joint.v.spans), joint.v.radius) == (4, 0.04)
-    assert joint.v.transducer.own == {"noise", "range"}
-    assert (joint.u.own_table, joint.v.own_table) == (False, True)
+    assert [has_own_table(joint, axis) for axis in "uv"] == [False, True]
+    keys = [[sensor_key(joint, sensor, key) for key in ("noise", "bits")] for sensor in (1, 2)]
+    assert keys == [
+        ["sensors.transducer.noise", "sensors.transducer.bits"],
+        ["sensors.v.transducer.noise", "sensors.transducer.bits"],
+    ]
     assert joint.v.transducer == Transducer(16, 2e-6, 1e-5, (-10, 20))
 
 

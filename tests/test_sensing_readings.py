@@ -9,6 +9,7 @@ from joint_files import joint_text
 
 from ccgen.joint import Sensor
 from ccgen.joint.file import parse_joint
+from ccgen.joint.places import sensor_key
 from ccgen.kinematics import tendon_length
 from ccgen.sensing.noise import length_variance, reading_noise, stated_noise
 from ccgen.sensing.readings import length_changes, normaliser, reading_matrix, response
@@ -91,8 +92,9 @@ def test_an_axis_that_is_not_estimated_has_no_part_of_the_sensors():
 
 
 def test_a_sensor_names_the_key_that_its_value_comes_from():
-    one = sensor("near", 0.0, 5.0, 30.0, table="sensor[0]", own=frozenset({"bits"}))
-    assert (one.key("bits"), one.key("range")) == ("sensor[0].bits", "sensors.transducer.range")
+    listed = replace(ANYWHERE, own_keys=frozenset({"sensor[0].bits"}))
+    keys = [sensor_key(listed, j, key) for j, key in ((0, "bits"), (0, "range"), (1, "bits"))]
+    assert keys == ["sensor[0].bits", "sensors.transducer.range", "sensors.transducer.bits"]
 
 
 def test_noise_is_what_is_stated_and_what_counting_and_gains_add():

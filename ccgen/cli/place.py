@@ -135,8 +135,9 @@ def _tables(joint: "Joint", axis: Axis | None) -> list[tuple[str, tuple[str, ...
     radius make it a different question.
     """
     from ccgen.joint import AXES
+    from ccgen.joint.places import has_own_table
 
-    if axis is None and not any(joint.axis(one).own_table for one in AXES):
+    if axis is None and not any(has_own_table(joint, one) for one in AXES):
         return [("sensors", AXES)]
     chosen = AXES if axis is None else (str(axis),)
     return [(f"sensors.{one}", (one,)) for one in chosen]

@@ -10,6 +10,7 @@ from ccgen.errors import FormatError
 from ccgen.estimation import Weights
 from ccgen.fixedpoint.model import Floats, Integers
 from ccgen.joint import Joint, Sensor
+from ccgen.joint.places import sensor_key
 from ccgen.sensing.counts import counts_of
 from ccgen.sensing.readings import length_changes, normaliser
 from ccgen.shapes import ShapeLibrary, Shapes, unstretched
@@ -91,8 +92,9 @@ class SensorPlace:
     def said(self, key: str) -> str:
         """Where a key of the sensor stands, and which sensor it is."""
         first, last = self.sensor.start, self.sensor.end - 1
+        place = sensor_key(self.joint, self.joint.own(self.axis).start + self.j, key)
         which = f"sensor {self.j} of axis {self.axis} (span [{first:g}, {last:g}])"
-        return f"{self.joint.source}: {self.sensor.key(key)}: {which}"
+        return f"{self.joint.source}: {place}: {which}"
 
     def range(self, needed: int, move: float) -> tuple[int, int]:
         """Range of the sensor's counts: as declared, or what is needed and a quarter more.

@@ -12,7 +12,7 @@ from ccgen.errors import InputError
 from ccgen.joint.messages import KeyProblemError, first_problem, toml_value
 from ccgen.joint.names import LONGEST_NAME, name_problem
 from ccgen.joint.recordings import recording_files
-from ccgen.joint.sensors import axis_sensors, sensor_list
+from ccgen.joint.sensors import axis_sensors, own_keys, sensor_list
 from ccgen.joint.specification import AXES, AxisSensors, Can, Geometry, Joint, ShapeSettings
 from ccgen.joint.tables import CanTable, JointTable, ShapesTable
 
@@ -118,6 +118,7 @@ def _joint(table: JointTable, source: str, folder: Path) -> Joint:
         precision=precision,
         can=Can(**table.can.model_dump()),
         source=source,
+        own_keys=frozenset(own_keys(table.sensors)),
         recordings=recording_files(table, folder),
     )
 

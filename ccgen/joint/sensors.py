@@ -56,7 +56,17 @@ def axis_sensors(table: SensorsTable, axis: str, segments: int, precision: int) 
     if radius is None:
         raise KeyProblemError(missing_key("sensors.radius", AxisTable.model_fields["radius"]))
     transducer = _transducer(overlay, precision)
-    return AxisSensors(spans, radius, transducer, placement, axis in table.model_fields_set)
+    return AxisSensors(spans, radius, transducer, placement)
+
+
+def own_keys(table: SensorsTable) -> Iterator[str]:
+    """Names of the tables for one axis alone and of the keys in them, in full."""
+    for axis in sorted({"u", "v"} & table.model_fields_set):
+        own: AxisTable = getattr(table, axis)
+        yield f"sensors.{axis}"
+        yield from (f"sensors.{axis}.{key}" for key in sorted(own.model_fields_set))
+        keys = sorted(own.transducer.model_fields_set)
+        yield from (f"sensors.{axis}.transducer.{key}" for key in keys)
 
 
 def sensor_list(axis: str, sensors: AxisSensors) -> tuple[Sensor, ...]:
@@ -73,8 +83,6 @@ def sensor_list(axis: str, sensors: AxisSensors) -> tuple[Sensor, ...]:
             bits=transducer.bits,
             noise=transducer.noise,
             range=transducer.range,
-            table=f"sensors.{axis}.transducer",
-            own=transducer.own,
         )
         for j, (first, last) in enumerate(sensors.spans)
     )
@@ -178,7 +186,6 @@ def _transducer(overlay: _Overlay, precision: int) -> Transducer:
         metres_per_count=metres_per_count,
         noise=overlay.transducer("noise"),
         range=None if limits is None else (limits[0], limits[1]),
-        own=frozenset(overlay.own.transducer.model_dump(exclude_none=True)),
     )
 
 

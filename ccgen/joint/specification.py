@@ -69,19 +69,11 @@ class Sensor:
     """Lowest and highest count of a reading; None for what the shapes need and a quarter more."""
     gain_tolerance: float = 0.0
     """One standard deviation of the gain, share of it."""
-    table: str = field(default="sensors.transducer", compare=False)
-    """Table of the joint file that holds the sensor's own keys."""
-    own: frozenset[str] = field(default=frozenset(), compare=False)
-    """Keys of the transducer that stand in that table."""
 
     @property
     def segments(self) -> float:
         """Number p of segments that the span covers; one covered in part counts by its share."""
         return self.end - self.start
-
-    def key(self, name: str) -> str:
-        """Full name of the key of the transducer that the sensor has its value from."""
-        return f"{self.table if name in self.own else 'sensors.transducer'}.{name}"
 
 
 @dataclass(frozen=True)
@@ -94,8 +86,6 @@ class Transducer:
     """One standard deviation of the length, metres; None when unknown."""
     range: tuple[int, int] | None
     """Lowest and highest count of a reading; None for what the shapes need and a quarter more."""
-    own: frozenset[str] = field(default=frozenset(), compare=False)
-    """Keys that the axis has in a table of its own."""
 
 
 @dataclass(frozen=True)
@@ -108,8 +98,6 @@ class AxisSensors:
     transducer: Transducer
     placement: str
     """Name of the layout that gave the spans, or "spans" where the file lists them."""
-    own_table: bool = field(default=False, compare=False)
-    """Whether the joint file has a table for this axis alone."""
 
 
 @dataclass(frozen=True)
@@ -194,6 +182,9 @@ class Joint:
     can: Can
     source: str = field(compare=False)
     """The file as the user named it: for messages only, never part of an output."""
+    own_keys: frozenset[str] = field(default=frozenset(), compare=False)
+    """Tables of the file for one axis or sensor alone, and the keys in them, in full: "sensors.v",
+    "sensors.v.transducer.noise"; `ccgen.joint.places` tells where a value stands."""
     recordings: tuple[RecordingFile, ...] = ()
 
     def axis(self, name: str) -> AxisSensors:
