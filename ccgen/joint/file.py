@@ -1,14 +1,13 @@
 """From the bytes of a joint file to a `Joint`, through TOML and the checked tables."""
 
 import math
-import re
-import tomllib
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
 from ccgen.errors import InputError
+from ccgen.joint import toml
+from ccgen.joint.load_files import load_ranges
 from ccgen.joint.messages import KeyProblemError, first_problem, toml_value
 from ccgen.joint.names import LONGEST_NAME, name_problem
 from ccgen.joint.recordings import recording_files
@@ -16,8 +15,7 @@ from ccgen.joint.sensors import axis_sensors, own_keys, sensor_list
 from ccgen.joint.specification import AXES, AxisSensors, Can, Geometry, Joint, ShapeSettings
 from ccgen.joint.tables import CanTable, JointTable, ShapesTable
 
-_INIT_HINT = "`ccgen init NAME` writes one that works"
-_LARGEST_FILE = 1_000_000
+_KIND = toml.Kind("joint file", "`ccgen init NAME` writes one that works", "segments = 12")
 
 
 def read_joint(path: Path) -> Joint:
@@ -26,18 +24,7 @@ def read_joint(path: Path) -> Joint:
     Raises:
         InputError: in one line the file, the key (or line), what is wrong, what would be right.
     """
-    try:
-        with path.open("rb") as file:
-            data = file.read(_LARGEST_FILE + 1)
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; {_INIT_HINT}") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a directory; name a joint file in it") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    if len(data) > _LARGEST_FILE:
-        raise InputError(f"{path}: more than {_LARGEST_FILE} bytes are no joint file; {_INIT_HINT}")
-    return parse_joint(_decoded(data, str(path)), str(path), path.parent)
+    return parse_joint(toml.read(path, _KIND), str(path), path.parent)
 
 
 def parse_joint(text: str, source: str, folder: Path = Path()) -> Joint:
@@ -51,48 +38,13 @@ def parse_joint(text: str, source: str, folder: Path = Path()) -> Joint:
     Raises:
         InputError: as `read_joint`.
     """
-    document = _document(text, source)
+    document = toml.parse(text, source, _KIND)
     try:
         return _joint(JointTable.model_validate(document), source, folder)
     except ValidationError as error:
-        raise InputError(f"{source}: {first_problem(error)}") from None
+        raise InputError(f"{source}: {first_problem(error, JointTable)}") from None
     except KeyProblemError as problem:
         raise InputError(f"{source}: {problem}") from None
-
-
-def _decoded(data: bytes, source: str) -> str:
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise InputError(
-            f"{source}: line {line}: byte 0x{data[error.start]:02x} is not UTF-8; "
-            "save the file as UTF-8 text"
-        ) from None
-
-
-def _document(text: str, source: str) -> dict[str, Any]:
-    try:
-        document = tomllib.loads(text)
-    except RecursionError:
-        raise InputError(f"{source}: is nested too deeply; {_INIT_HINT}") from None
-    except ValueError as error:
-        raise InputError(f"{source}: {_syntax_problem(str(error), text)}") from None
-    if not document:
-        raise InputError(f"{source}: is empty; {_INIT_HINT}")
-    return document
-
-
-def _syntax_problem(message: str, text: str) -> str:
-    """Return the line and what tomllib says of it; it names no line at the end of the file."""
-    what, _, where = message.removesuffix(")").rpartition(" (at ")
-    found = re.fullmatch(r"line (\d+), column (\d+)", where)
-    if found:
-        place = f"line {found[1]}, column {found[2]}"
-    else:
-        place = f"line {len(text.rstrip().splitlines())} (the last)"
-    what = what or message.partition(";")[0]
-    return f"{place}: {what[0].lower()}{what[1:]}; write TOML, such as segments = 12"
 
 
 def _joint(table: JointTable, source: str, folder: Path) -> Joint:
@@ -120,6 +72,7 @@ def _joint(table: JointTable, source: str, folder: Path) -> Joint:
         source=source,
         own_keys=frozenset(own_keys(table.sensors)),
         recordings=recording_files(table, folder),
+        loads=load_ranges(table),
     )
 
 

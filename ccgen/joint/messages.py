@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from ccgen.joint.tables import JointTable
-
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
     from pydantic_core import ErrorDetails
@@ -24,19 +22,24 @@ class KeyProblemError(Exception):
     """What is wrong at a key: "KEY: what is wrong; what would be right"."""
 
 
-def first_problem(error: ValidationError) -> str:
+def first_problem(error: ValidationError, root: type[BaseModel]) -> str:
     """Return "KEY: what is wrong; what would be right" for the first problem.
 
     An unknown key comes first: where one is misspelt, that it is missing is no news.
+
+    Args:
+        error: what pydantic found.
+        root: the table of the whole file.
     """
     problems = error.errors(include_url=False)
     unknown = [problem for problem in problems if problem["type"] == "extra_forbidden"]
     problem = (unknown or problems)[0]
     if problem["type"] == "extra_forbidden":
-        return _unknown_key(problem["loc"])
+        return _unknown_key(problem["loc"], root)
+    field = _field(problem["loc"], root)
     if problem["type"] == "missing":
-        return missing_key(dotted(problem["loc"]), _field(problem["loc"]))
-    return _wrong_value(problem)
+        return missing_key(dotted(problem["loc"]), field)
+    return _wrong_value(problem, field)
 
 
 def dotted(location: _Location) -> str:
@@ -64,8 +67,7 @@ def toml_value(value: object) -> str:
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 4] + " ..."
 
 
-def _wrong_value(problem: "ErrorDetails") -> str:
-    field = _field(problem["loc"])
+def _wrong_value(problem: "ErrorDetails", field: "FieldInfo") -> str:
     key = dotted(problem["loc"])
     value = toml_value(problem["input"])
     if problem["type"] == "literal_error":
@@ -109,13 +111,13 @@ def _type_name(value: object) -> str:
     return next((name for kind, name in names if isinstance(value, kind)), "a date or time")
 
 
-def _unknown_key(location: _Location) -> str:
+def _unknown_key(location: _Location, root: type[BaseModel]) -> str:
     key, name = dotted(location), str(location[-1])
-    here = _table(location[:-1])
+    here = _table(location[:-1], root)
     near = difflib.get_close_matches(name, here.model_fields, n=1)
     if near:
         return f"{key}: unknown key; did you mean {near[0]}?"
-    homes = [home for home, table in _tables(JointTable) if name in table.model_fields]
+    homes = [home for home, table in _tables(root) if name in table.model_fields]
     if homes:
         return f"{key}: unknown key here; write it in {homes[0]}"
     return f"{key}: unknown key; the known ones are {', '.join(here.model_fields)}"
@@ -139,18 +141,18 @@ def _inner(field: "FieldInfo") -> type[BaseModel] | None:
     return None
 
 
-def _table(location: _Location) -> type[BaseModel]:
+def _table(location: _Location, root: type[BaseModel]) -> type[BaseModel]:
     """Return the innermost table on the way to `location`."""
-    here: type[BaseModel] = JointTable
+    here = root
     for part in location:
         field = here.model_fields.get(str(part))
         here = (_inner(field) if field is not None else None) or here
     return here
 
 
-def _field(location: _Location) -> "FieldInfo":
+def _field(location: _Location, root: type[BaseModel]) -> "FieldInfo":
     """Return the field of the innermost key on the way to `location`."""
-    here: type[BaseModel] = JointTable
+    here = root
     field = here.model_fields[str(location[0])]
     for part in location[1:]:
         here = _inner(field) or here

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ccgen.joint.layouts import Spans
+from ccgen.joint.loads import LoadRanges
 
 AXES = ("u", "v")
 """The bending axes: u about local x, v about local y."""
@@ -186,6 +187,8 @@ class Joint:
     """Tables of the file for one axis or sensor alone, and the keys in them, in full: "sensors.v",
     "sensors.v.transducer.noise"; `ccgen.joint.places` tells where a value stands."""
     recordings: tuple[RecordingFile, ...] = ()
+    loads: LoadRanges | None = None
+    """What the joint meets at work; None where the file does not say."""
 
     def axis(self, name: str) -> AxisSensors:
         """Return the paper's set of sensors for axis "u" or "v".

@@ -2,12 +2,16 @@
 
 A field's `description` completes "write ..." in messages and its first example is what such a
 message shows, so both stand beside the bounds they explain. What concerns several keys at once is
-checked in `ccgen.joint.sensors` and `ccgen.joint.file`.
+checked in `ccgen.joint.sensors`, `ccgen.joint.recordings`, `ccgen.joint.load_files` and
+`ccgen.joint.file`.
 """
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import Field, field_validator
+
+from ccgen.joint.load_tables import LoadsTable
+from ccgen.joint.table import Metres, Table
 
 MOST_SEGMENTS = 64
 MOST_SENSORS = 8
@@ -16,13 +20,6 @@ MOST_SENSORS = 8
 MOST_RECORDINGS = 100
 
 
-class Table(BaseModel):
-    """A table whose keys are all known and whose values are not converted."""
-
-    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, frozen=True)
-
-
-Metres = Annotated[float, Field(ge=1e-6, le=1e3)]
 Samples = Annotated[int, Field(ge=1, le=1000)]
 
 
@@ -276,6 +273,7 @@ class JointTable(Table):
         default=SensorsTable(), description="a table with radius and more", examples=["[sensors]"]
     )
     shapes: ShapesTable = Field(default=ShapesTable(), description="a table", examples=["[shapes]"])
+    loads: LoadsTable = Field(default=LoadsTable(), description="a table", examples=["[loads]"])
     recordings: list[RecordingTable] = Field(
         default=[],
         max_length=MOST_RECORDINGS,
