@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ccgen.cli.output import print_json, results
+from ccgen.cli.output import print_json, show_table
 from ccgen.errors import CheckError, InputError
 
 if TYPE_CHECKING:
@@ -170,7 +170,7 @@ def _print(summary: "Summary") -> None:
     table.add_row("faults", ", ".join(summary.faults) or "none")
     for axis, error in (summary.error_percent_rom or {}).items():
         table.add_row(f"error of {axis}", f"{error.mean:.3f} % of range, worst {error.worst:.3f}")
-    results().print(table)
+    show_table(table)
 
 
 def _failure(summary: "Summary") -> str:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from ccgen.cli.output import note, progress_bars, results
+from ccgen.cli.output import note, progress_bars, results, show_table
 from ccgen.errors import ToolError
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def show_costs(costs: "Sequence[Cost]") -> None:
     for one in costs:
         table.add_row(*row_of(one))
     console = results()
-    console.print(table)
+    show_table(table)
     console.print(
         f"Bytes of a whole node with tip pose and the compiler's own functions, {costs[0].level}: "
         "flash is code and constants, RAM is without stack. Instructions at most; on AVR cycles.",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ccgen.cli.costs import choose_targets, measure_targets, require_counter, show_costs
-from ccgen.cli.output import note, print_json, results
+from ccgen.cli.output import note, print_json, results, show_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -115,7 +115,7 @@ def _show(done: "Export", load: float, costs: "Sequence[Cost]") -> None:
     ):
         table.add_row(title, pattern.format(u[key]), pattern.format(v[key]))
     console = results()
-    console.print(table)
+    show_table(table)
     console.print(
         f"{len(done.layout.frames)} frames every {done.layout.cycle_ms} ms take at most "
         f"{load:.0f} % of a bus at {done.joint.can.bitrate:,} bit/s"

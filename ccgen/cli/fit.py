@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ccgen.cli.choices import Method
-from ccgen.cli.output import print_json, results
+from ccgen.cli.output import print_json, show_table
 from ccgen.cli.plot import write_plot
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def _print(joint: "Joint", method: str, axes: dict[str, dict[str, Any]]) -> None
     columns = [_column(figures) for figures in axes.values()]
     for title in columns[0]:
         table.add_row(title, *(column[title] for column in columns))
-    results().print(table)
+    show_table(table)
 
 
 def _column(figures: dict[str, Any]) -> dict[str, str]:

@@ -10,7 +10,7 @@ from ccgen import __version__
 from ccgen.cli.bridge import bridge
 from ccgen.cli.cost import cost
 from ccgen.cli.export import export
-from ccgen.cli.failures import Debug, in_one_line
+from ccgen.cli.failures import Debug, in_one_line, say, unforeseen
 from ccgen.cli.fit import fit
 from ccgen.cli.init import init
 from ccgen.cli.output import note
@@ -74,7 +74,8 @@ _UsageError = cast(type[Exception], typer.BadParameter.__base__)
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the program and exit; `--debug` counts wherever it stands.
 
-    Wrong words on the command line are one line on stderr, like every other error.
+    Wrong words on the command line are one line on stderr, like every other error, and so is what
+    nobody foresaw.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     if "--debug" in words:
@@ -83,6 +84,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         status = app(words or ["--help"], prog_name="ccgen", standalone_mode=False)
     except _UsageError as error:
         status = _explain(error)
+    except OSError as error:
+        status = say(error)
+    except Exception as error:
+        status = unforeseen(error)
     if status == _INTERRUPTED:
         note("interrupted")
     sys.exit(status)

@@ -1,6 +1,7 @@
 """What commands print: results on stdout, everything else on stderr."""
 
 import json
+import os
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -8,8 +9,16 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.table import Table
 
     from ccgen.verify.plan import Progress
+
+
+_ANY_WIDTH = 10_000
+"""Columns, more than any table has."""
+
+_LEAST_WIDTH = 20
+"""Columns that are used however narrow the terminal is."""
 
 
 def print_json(result: Mapping[str, object]) -> None:
@@ -30,14 +39,75 @@ def results() -> "Console":
     """Return a console for tables on stdout."""
     from rich.console import Console
 
-    return Console(highlight=False)
+    return Console(highlight=False, markup=False, emoji=False)
+
+
+def show_table(table: "Table") -> None:
+    """Print a table on stdout, whole: on a narrow terminal row by row, each value beneath its row.
+
+    A column that may wrap does so first, at spaces. Elsewhere than on a terminal a table is as wide
+    as it is, unless COLUMNS says how wide it may be.
+    """
+    from rich.console import Console
+
+    console = results()
+    needed = console.measure(table, options=console.options.update(max_width=_ANY_WIDTH)).maximum
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console = Console(highlight=False, markup=False, emoji=False, width=max(80, needed))
+    if needed > console.width and not _narrowed(table, needed - console.width):
+        for line in _row_by_row(table, max(console.width, _LEAST_WIDTH)):
+            console.print(line, soft_wrap=True)
+        return
+    console.print(table)
+
+
+def _narrowed(table: "Table", excess: int) -> bool:
+    """Take the excess off the one column that may wrap, if its words stay whole."""
+    wrapping = [column for column in table.columns if not column.no_wrap]
+    if len(wrapping) != 1:
+        return False
+    cells = [str(cell) for cell in (wrapping[0].header, *wrapping[0].cells)]
+    wanted = max(map(len, cells)) - excess
+    if wanted < max((len(word) for cell in cells for word in cell.split()), default=1):
+        return False
+    wrapping[0].width = wanted
+    return True
+
+
+def _row_by_row(table: "Table", width: int) -> Iterator[str]:
+    """Lines of a table that is too wide: a row's first cell, then a line for each other cell."""
+    if table.title:
+        yield str(table.title)
+    first, *others = table.columns
+    titles = [" ".join(str(column.header).split()) for column in others]
+    longest = max(map(len, titles), default=0)
+    for name, *values in zip(first.cells, *(column.cells for column in others), strict=True):
+        yield f"{first.header} {str(name).strip()}".strip()
+        for title, value in zip(titles, values, strict=True):
+            yield from _wrapped(f"  {title:<{longest}}  ", str(value).strip(), width)
+    if table.caption:
+        yield from _wrapped("", str(table.caption), width)
+
+
+def _wrapped(title: str, value: str, width: int) -> list[str]:
+    """A title and its value, wrapped at spaces; on a line of its own where little room is left."""
+    import textwrap
+
+    behind = len(title) + len(value) <= width or width - len(title) >= _LEAST_WIDTH
+    indent = " " * (len(title) if behind else 4)
+    lines = textwrap.wrap(
+        value, width - len(indent), break_long_words=False, break_on_hyphens=False
+    ) or [""]
+    if behind:
+        return [title + lines[0], *(indent + line for line in lines[1:])]
+    return [title.rstrip(), *(indent + line for line in lines)]
 
 
 def progress() -> "Console":
     """Return a console for progress and live displays, on stderr."""
     from rich.console import Console
 
-    return Console(stderr=True, highlight=False)
+    return Console(stderr=True, highlight=False, markup=False, emoji=False)
 
 
 @contextmanager

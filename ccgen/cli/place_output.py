@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from ccgen.cli.output import note, print_json, results
+from ccgen.cli.output import note, print_json, results, show_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -73,7 +73,7 @@ def show(joint: "Joint", placed: Sequence[Placed]) -> None:
             " [estimator] below chooses it"
         )
         lines.append(f'[estimator]\nmethod = "{method}"')
-    results().print("\n\n".join(lines), markup=False, soft_wrap=True)
+    results().print("\n\n".join(lines), soft_wrap=True)
 
 
 def figure(placed: Sequence[Placed], forbidden: Sequence[int]) -> "Figure":
@@ -140,7 +140,7 @@ def _show_table(joint: "Joint", placed: Placed) -> None:
             _optimality(row["optimality"], row["gap"]),
             str(row["evaluations"]),
         )
-    results().print(table)
+    show_table(table)
 
 
 def _optimality(optimality: str, gap: float | None) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ccgen.cli.choices import Generations, Individuals
-from ccgen.cli.output import note, print_json, progress, results
+from ccgen.cli.output import note, print_json, progress, show_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -151,4 +151,4 @@ def _print(table: dict[str, Any]) -> None:
             "" if paper is None else f"{paper['median']:.4g}",
             "" if difference is None else f"{100 * difference:+.1f} %",
         )
-    results().print(shown)
+    show_table(shown)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ccgen.cli.choices import Axis, Case
-from ccgen.cli.output import note, print_json, results
+from ccgen.cli.output import note, print_json, show_table
 from ccgen.cli.plot import write_plot
 from ccgen.errors import InputError, ReachError
 
@@ -105,4 +105,4 @@ def _print(joint: "Joint", simulation: "Simulation") -> None:
     for table in (segments, sensors, pose):
         for column in table.columns:
             column.justify = "right"
-        results().print(table)
+        show_table(table)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ccgen.cli.choices import Level, Optimise
-from ccgen.cli.output import note, print_json, progress_bars, results
+from ccgen.cli.output import note, print_json, progress_bars, results, show_table
 from ccgen.errors import ToolError
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def _show(runs: Sequence["Run"]) -> None:
             f"{1e6 * run.pose_max_error_m:.2g} < {1e6 * run.pose_bound_m:.2g}",
         )
     console = results()
-    console.print(table)
+    show_table(table)
     failed = [run for run in runs if not run.passed]
     for run in failed:
         reason = run.note or "does not compute what the model computes"
