@@ -20,8 +20,8 @@ from ccgen.cli.bridge import Source
 from ccgen.cli.main import main
 from ccgen.export.package import export
 from ccgen.shapes import score_library
-from ccgen.targets.build import build_shared
 from ccgen.targets.exported import open_exported
+from ccgen.targets.host import compile_shared
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "shoulder.toml"
 
@@ -90,7 +90,7 @@ def test_a_node_that_answers_wrongly_fails_the_bridge(folder, capsys):
     channel = "spoilt"
     exported = open_exported(folder)
     swallowed = exported.layout.frames_of("angles")[2].id
-    library = build_shared(folder, folder.parent)
+    library = compile_shared(folder, folder.parent)
     outer, done = can.Bus(interface="virtual", channel=channel), threading.Event()
 
     def forward():

@@ -27,8 +27,9 @@ from ccgen.errors import ToolError
 from ccgen.export.package import export
 from ccgen.kinematics import tip_pose
 from ccgen.sensing.counts import corner_counts, random_counts
-from ccgen.targets.build import build_process, build_shared, sources
+from ccgen.targets.compiler import sources
 from ccgen.targets.exported import Exported, open_exported
+from ccgen.targets.host import compile_process, compile_shared
 
 STALE = 1 << FAULTS.index("STALE")
 CAN = "[can]\nbase_id = {base_id}\nextended = {extended}\nfd = {fd}\n"
@@ -70,8 +71,8 @@ def built(request, tmp_path_factory):
     exported = open_exported(folder / "finger")
     return Built(
         exported,
-        build_shared(exported.directory, folder),
-        build_process(exported.directory, folder),
+        compile_shared(exported.directory, folder),
+        compile_process(exported.directory, folder),
     )
 
 

@@ -4,11 +4,11 @@ from pathlib import Path
 import pytest
 from elftools.elf.elffile import ELFFile
 
-from ccgen.cost.build import build
-from ccgen.cost.measured import TARGETS, core_named
+from ccgen.cost.program import compile_measured
 from ccgen.cost.size import Size, read_map
 from ccgen.errors import ToolError
 from ccgen.export.package import export
+from ccgen.targets.cores import COUNTED, core_named
 from ccgen.targets.exported import open_exported
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -41,12 +41,12 @@ def start_up_bytes(core, folder):
     return sections[".text"] - symbols["main"]
 
 
-@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("target", COUNTED)
 def test_parts_are_what_the_linker_put_into_the_program(shoulder, target, tmp_path):
-    core = core_named(target)
-    built = build(shoulder, core, tmp_path)
-    total = sum(read_map(built.map, shoulder.joint.name).values(), Size())
-    sections, symbols = sections_and_symbols(built.program)
+    core = core_named(target, COUNTED)
+    compiled = compile_measured(shoulder, core, tmp_path)
+    total = sum(read_map(compiled.map, shoulder.joint.name).values(), Size())
+    sections, symbols = sections_and_symbols(compiled.program)
     assert total.code == sections[".text"] - symbols.get("main", 0) - start_up_bytes(core, tmp_path)
     inputs = symbols["cost_counts"] + symbols["cost_frames"]
     padding = sections[".data" if target == "avr" else ".rodata"] - inputs - total.constants
@@ -57,8 +57,8 @@ def test_parts_are_what_the_linker_put_into_the_program(shoulder, target, tmp_pa
     assert not {"ccgen_slcan_feed", "shoulder_tip_jacobian"} & set(symbols)
 
 
-@pytest.mark.parametrize("name", ["tip", "node", "harness", "crt0"])
-def test_a_joint_may_be_called_like_a_file_of_the_runtime(shoulder, name, tmp_path):
+@pytest.mark.parametrize("name", ["harness", "crt0"])
+def test_a_joint_may_be_called_like_what_is_linked_beside_it(shoulder, name, tmp_path):
     joint = tmp_path / "joint.toml"
     joint.write_text((ROOT / "examples" / "shoulder.toml").read_text().replace("shoulder", name))
     export(joint, tmp_path / "out")
@@ -66,8 +66,8 @@ def test_a_joint_may_be_called_like_a_file_of_the_runtime(shoulder, name, tmp_pa
     for folder in (shoulder, open_exported(tmp_path / "out")):
         objects = tmp_path / folder.joint.name
         objects.mkdir()
-        built = build(folder, core_named("cortex-m4"), objects)
-        sizes.append(read_map(built.map, folder.joint.name))
+        compiled = compile_measured(folder, core_named("cortex-m4"), objects)
+        sizes.append(read_map(compiled.map, folder.joint.name))
     assert sizes[0] == sizes[1]
 
 

@@ -18,7 +18,7 @@ from ccgen.export import vectors
 from ccgen.export.manifest import changed_files
 from ccgen.export.package import export
 from ccgen.fixedpoint import load_model
-from ccgen.targets.build import WARNINGS
+from ccgen.targets.compiler import WARNINGS
 
 SMALL = {
     "name": "finger", "segments": 5, "count": 2, "bits": 16, "step": 2e-6, "precision": 16,

@@ -13,7 +13,7 @@ from ccgen.cost.emulator import CORES, Program
 from ccgen.cost.link import link
 from ccgen.fixedpoint import AxisModel
 from ccgen.targets import cores as cross
-from ccgen.targets.build import WARNINGS, run_compiler
+from ccgen.targets.compiler import WARNINGS, run_compiler
 
 BUILDS = [
     *(("cortex-m0", level) for level in ("-O0", "-Os", "-O2")),

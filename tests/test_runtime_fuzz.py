@@ -14,7 +14,7 @@ from runtime_c import C99, HERE, WARNINGS
 
 from ccgen.export.package import export
 from ccgen.fixedpoint import AxisModel
-from ccgen.targets.build import sources
+from ccgen.targets.compiler import sources
 from ccgen.targets.exported import open_exported
 
 DRIVERS = HERE / "fuzz"

@@ -20,11 +20,11 @@ from ccgen.cli.main import app
 from ccgen.errors import ToolError
 from ccgen.export.package import export
 from ccgen.targets import emulator
-from ccgen.targets.cores import CORES, Tool, build, missing_tools
-from ccgen.targets.cores import CORES as TARGETS
+from ccgen.targets.cores import MICROCONTROLLERS, Tool, missing_tools
 from ccgen.targets.emulated import emulated_node
 from ccgen.targets.emulator import run_to_end
 from ccgen.targets.exported import open_exported
+from ccgen.targets.firmware import compile_firmware
 from ccgen.targets.inputs import bus_counts
 from ccgen.verify.emulated import verify_core as verify_target
 from ccgen.verify.on_core import Printed, run_batch
@@ -191,11 +191,11 @@ def test_an_emulator_that_dies_is_an_error_and_no_wait(wrist):
     assert children() <= before
 
 
-@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("target", MICROCONTROLLERS)
 def test_an_absent_tool_is_named_by_its_debian_package(wrist, target, monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
-    packages = missing_tools(target)
-    assert packages == list(dict.fromkeys(tool.package for tool in CORES[target].tools))
+    packages = missing_tools(MICROCONTROLLERS[target])
+    assert packages == list(dict.fromkeys(tool.package for tool in MICROCONTROLLERS[target].tools))
     with pytest.raises(ToolError, match=f"needs {' '.join(packages)}; install with `apt-get"):
         verify_target(wrist, target, Plan(), silent)
 
@@ -221,12 +221,14 @@ def test_a_program_that_leaves_no_stack_is_refused_when_it_is_linked(joints, tar
     )
     root = with_program(joints, tmp_path, program)
     with pytest.raises(ToolError, match=r"wrist: .*RAM is full: no room for the stack"):
-        build(root, CORES[target], "batch", tmp_path, ("-O2",))
+        compile_firmware(root, MICROCONTROLLERS[target], "batch", tmp_path, ("-O2",))
 
 
-@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("target", MICROCONTROLLERS)
 @pytest.mark.parametrize("level", ["-O0", "-O3"])
 def test_the_node_compiles_without_a_warning_with_and_without_optimisation(
     joints, target, level, tmp_path
 ):
-    assert build(joints / "wrist", CORES[target], "node", tmp_path, (level,)).is_file()
+    assert compile_firmware(
+        joints / "wrist", MICROCONTROLLERS[target], "node", tmp_path, (level,)
+    ).is_file()

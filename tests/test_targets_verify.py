@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 
 from ccgen.cli.main import app
 from ccgen.export.package import export
-from ccgen.targets.build import LEVEL, LEVELS
-from ccgen.targets.cores import CORES as TARGETS
+from ccgen.targets.compiler import LEVEL, LEVELS
+from ccgen.targets.cores import MICROCONTROLLERS as TARGETS
 from ccgen.targets.exported import Exported, open_exported
 from ccgen.verify.emulated import verify_core as verify_target
 from ccgen.verify.on_core import compare_batch, run_batch

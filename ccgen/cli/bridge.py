@@ -136,7 +136,7 @@ def _node(
     from ccgen.can.transports.interface import interface_node
     from ccgen.can.transports.library import library_node
     from ccgen.can.transports.process import process_node
-    from ccgen.targets.build import build_process, build_shared
+    from ccgen.targets.host import compile_process, compile_shared
 
     if target is not None:
         from ccgen.targets.emulated import emulated_node
@@ -151,11 +151,11 @@ def _node(
         return
     with tempfile.TemporaryDirectory() as folder:
         if interface == "virtual":
-            library = build_shared(exported.directory, Path(folder))
+            library = compile_shared(exported.directory, Path(folder))
             with library_node(library, exported.layout) as bus:
                 yield bus
         else:
-            with process_node(build_process(exported.directory, Path(folder))) as bus:
+            with process_node(compile_process(exported.directory, Path(folder))) as bus:
                 yield bus
 
 

@@ -14,7 +14,7 @@ Generations = Annotated[
 
 
 class Level(StrEnum):
-    """Levels of the compiler's optimisation, `ccgen.targets.build.LEVELS`."""
+    """Levels of the compiler's optimisation, `ccgen.targets.compiler.LEVELS`."""
 
     O0 = "0"
     OS = "s"

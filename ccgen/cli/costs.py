@@ -34,11 +34,11 @@ def choose_targets(named: list[str] | None) -> tuple[list[str], dict[str, str]]:
         InputError: unknown target.
         ToolError: a tool of a named target is missing, or no target has its tools.
     """
-    from ccgen.cost.measured import TARGETS, missing_tools
+    from ccgen.targets.cores import COUNTED, core_named, missing_tools
 
     present, left_out = [], {}
-    for target in dict.fromkeys(named or TARGETS):
-        missing = " ".join(missing_tools(target))
+    for target in dict.fromkeys(named or COUNTED):
+        missing = " ".join(missing_tools(core_named(target, COUNTED), to_run=False))
         if not missing:
             present.append(target)
             continue

@@ -72,7 +72,7 @@ def _countable_targets() -> list[str]:
 
 def _write_costs(directory: Path, targets: "Sequence[str]") -> "list[Cost]":
     from ccgen.cost.readme import write_table
-    from ccgen.targets.build import LEVEL
+    from ccgen.targets.compiler import LEVEL
     from ccgen.targets.exported import open_exported
 
     exported = open_exported(directory)

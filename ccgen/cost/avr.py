@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ccgen.cost.instructions import Times
 from ccgen.errors import ToolError
-from ccgen.targets.build import compiler, run_compiler
+from ccgen.targets.compiler import compiler, run_compiler
 
 MCU, HERTZ = "atmega1284p", 16_000_000
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
 
 from ccgen.cost.measure import Cost
-from ccgen.cost.measured import HOST
+from ccgen.targets.cores import HOST
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ccgen.cost.emulator import RAM
-from ccgen.targets.build import run_compiler
+from ccgen.targets.compiler import run_compiler
 
 SCRIPT = f"""\
 SECTIONS

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from ccgen.cost import stack
-from ccgen.cost.build import CALLS, build
 from ccgen.cost.instructions import Times, count
-from ccgen.cost.measured import RETURN_BYTES, core_named
+from ccgen.cost.program import CALLS, compile_measured
 from ccgen.cost.size import Size, read_map
 from ccgen.errors import CheckError
-from ccgen.targets.build import LEVEL
+from ccgen.targets.compiler import LEVEL
+from ccgen.targets.cores import COUNTED, core_named
 from ccgen.targets.exported import Exported
 
 
@@ -92,27 +92,27 @@ def measure(exported: Exported, target: str, level: str = LEVEL) -> Cost:
     """Compile a folder for a target at a level of optimisation, and count.
 
     Raises:
-        InputError: unknown target.
+        ArgumentError: unknown target.
         ToolError: a tool is missing or does not accept the folder.
         CheckError: no bound of the stack can be given, or a call fails.
     """
-    core = core_named(target)
+    core = core_named(target, COUNTED)
     with tempfile.TemporaryDirectory(prefix="ccgen-") as name:
         folder = Path(name)
-        built = build(exported, core, folder, level)
-        functions = stack.read_disassembly(built.disassembly, RETURN_BYTES.get(target, 0))
+        compiled = compile_measured(exported, core, folder, level)
+        functions = stack.read_disassembly(compiled.disassembly, core.return_bytes)
         frames = stack.read_frames(folder)
         joint = exported.joint.name
         stacks = {
             call: stack.worst_case(f"{joint}_{call}", functions, frames)[0]
             for call in (*CALLS, "node_init")
         }
-        times = _times(exported, target, built.program, folder, max(stacks.values()))
+        times = _times(exported, target, compiled.program, folder, max(stacks.values()))
         return Cost(
             target=target,
             level=level,
-            parts=read_map(built.map, joint),
-            state_bytes=built.state_bytes,
+            parts=read_map(compiled.map, joint),
+            state_bytes=compiled.state_bytes,
             constants_in_ram=not core.constants_in_flash,
             stacks=stacks,
             times=times,

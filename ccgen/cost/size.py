@@ -49,7 +49,7 @@ def read_map(path: Path, joint: str) -> dict[str, Size]:
     """Sizes by part of what was linked.
 
     Args:
-        path: the map, of a link of objects that are named as `ccgen.cost.build` names them.
+        path: the map, of a link of objects that are named as `ccgen.cost.program` names them.
         joint: its name.
 
     Raises:

@@ -1,16 +1,18 @@
 """The cores that a folder is compiled for: compiler, flags, port and emulator of each."""
 
 import functools
+import platform
 import shutil
 import subprocess
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 from ccgen.errors import ArgumentError, ToolError
-from ccgen.targets.build import WARNINGS, compiler, run_compiler, sources
+from ccgen.targets.compiler import compiler, run_compiler
 
-FLAGS = ("-std=c99", "-g", "-ffunction-sections", "-fdata-sections", "-ffp-contract=off", *WARNINGS)
+HOST = "host"
+"""Name of this machine as a target."""
 
 
 @dataclass(frozen=True)
@@ -20,6 +22,8 @@ class Tool:
     package: str
     command: tuple[str, ...]
     file: str = ""
+    runs_only: bool = False
+    """Whether firmware takes it to run, but not to be compiled and counted."""
 
     def present(self) -> bool:
         """Whether it is installed."""
@@ -41,6 +45,7 @@ class Core:
             the UART is its standard input and output.
         tools: what must be installed.
         constants_in_flash: whether tables stay in flash; else they are copied to RAM.
+        return_bytes: what a call puts on the stack, where -fstack-usage leaves it out of the frame.
     """
 
     name: str
@@ -50,6 +55,11 @@ class Core:
     emulate: Callable[[Path, Path, Path], list[str]]
     tools: tuple[Tool, ...]
     constants_in_flash: bool = True
+    return_bytes: int = 0
+
+    def binutils(self, program: str) -> str:
+        """Name of a program of the target's binutils, such as "objdump"."""
+        return program if self.name == HOST else self.compile[0].removesuffix("gcc") + program
 
 
 def _qemu(*machine: str) -> Callable[[Path, Path, Path], list[str]]:
@@ -73,7 +83,7 @@ def _cortex_m(name: str, machine: str, board: str, *core: str) -> Core:
         tools=(
             Tool("gcc-arm-none-eabi", ("arm-none-eabi-gcc",)),
             Tool("libnewlib-arm-none-eabi", compile_, "libc.a"),
-            Tool("qemu-system-arm", ("qemu-system-arm",)),
+            Tool("qemu-system-arm", ("qemu-system-arm",), runs_only=True),
         ),
     )
 
@@ -91,7 +101,7 @@ def _riscv32() -> Core:
         tools=(
             Tool("gcc-riscv64-unknown-elf", (compiler,)),
             Tool("picolibc-riscv64-unknown-elf", (compiler,), "picolibc.specs"),
-            Tool("qemu-system-misc", ("qemu-system-riscv32",)),
+            Tool("qemu-system-misc", ("qemu-system-riscv32",), runs_only=True),
         ),
     )  # fmt: skip
 
@@ -111,6 +121,7 @@ def _avr() -> Core:
             Tool("libsimavr-dev", ("cc",), "libsimavr.so"),
         ),
         constants_in_flash=False,
+        return_bytes=2,
     )
 
 
@@ -123,7 +134,28 @@ def _simavr(mcu: str, hertz: int, program: Path, ports: Path, out: Path) -> list
     return [str(emulator), mcu, str(hertz), str(program)]
 
 
-CORES = {
+def _host() -> Core:
+    """This machine's gcc, without what its system adds around functions and into calls."""
+    plain = (
+        "-m64",
+        "-fno-pie",
+        "-fno-stack-protector",
+        "-fcf-protection=none",
+        "-fno-reorder-blocks-and-partition",
+        "-minline-all-stringops",
+        "-ffreestanding",
+    )
+    return Core(
+        name=HOST,
+        compile=("gcc", *plain),
+        link=("-static", "-no-pie"),
+        board=(),
+        emulate=lambda program, ports, out: [str(program)],
+        tools=(Tool("gcc", ("gcc",)), Tool("binutils", ("objdump",))),
+    )
+
+
+MICROCONTROLLERS = {
     core.name: core
     for core in (
         _cortex_m("cortex-m0", "microbit", "board_microbit", "-mcpu=cortex-m0"),
@@ -142,62 +174,60 @@ CORES = {
 }  # fmt: skip
 
 
-def core_named(target: str) -> Core:
+_COUNTABLE = ("x86_64", "AMD64")
+"""Names of the processor that is imitated where this machine is meant."""
+
+VERIFIED = (HOST, *MICROCONTROLLERS)
+"""Targets on which a folder can be verified."""
+
+COUNTED = (*((HOST,) if platform.machine() in _COUNTABLE else ()), *MICROCONTROLLERS)
+"""Targets whose instructions can be counted."""
+
+
+def core_named(target: str, known: Iterable[str] = MICROCONTROLLERS) -> Core:
     """Return a target by its name.
 
+    Args:
+        target: its name.
+        known: the names that are asked for.
+
     Raises:
-        ArgumentError: there is none.
+        ArgumentError: it is none of them.
     """
-    if target not in CORES:
-        raise ArgumentError(f"{target} is unknown; known: {', '.join(CORES)}", "target")
-    return CORES[target]
+    require_known(target, known)
+    return _host() if target == HOST else MICROCONTROLLERS[target]
 
 
-def missing_tools(target: str) -> list[str]:
-    """Debian packages that a target needs and that are not installed."""
-    return list(dict.fromkeys(t.package for t in core_named(target).tools if not t.present()))
+def require_known(target: str, known: Iterable[str]) -> None:
+    """Refuse a target that is none of some names.
+
+    Raises:
+        ArgumentError: naming those that are known.
+    """
+    if target not in known:
+        raise ArgumentError(f"{target} is unknown; known: {', '.join(known)}", "target")
 
 
-def require_tools(target: str) -> None:
-    """Make sure that everything a target needs is installed.
+def missing_tools(core: Core, to_run: bool = True) -> list[str]:
+    """Debian packages that a target needs and that are not installed.
+
+    Args:
+        core: the target.
+        to_run: whether firmware is to run in an emulator; else only to be compiled and counted.
+    """
+    needed = (tool for tool in core.tools if to_run or not tool.runs_only)
+    return list(dict.fromkeys(tool.package for tool in needed if not tool.present()))
+
+
+def require_tools(core: Core) -> None:
+    """Make sure that everything a target needs to run firmware is installed.
 
     Raises:
         ToolError: something is not; names the packages.
     """
-    missing = " ".join(missing_tools(target))
+    missing = " ".join(missing_tools(core))
     if missing:
-        raise ToolError(f"{target}: needs {missing}; install with `apt-get install {missing}`")
-
-
-def build(directory: Path, core: Core, program: str, out: Path, options: Sequence[str]) -> Path:
-    """Compile one of the bare-metal programs for a core.
-
-    Args:
-        directory: an exported folder.
-        core: the target.
-        program: "node" or "batch".
-        out: folder for the program.
-        options: further flags, such as the level of optimisation.
-
-    Raises:
-        ToolError: the compiler or the linker does not accept the folder.
-    """
-    ports = directory / "ports"
-    files = [
-        *sources(directory),
-        *(sorted((directory / "selftest").glob("*_selftest.c")) if program == "batch" else ()),
-        ports / "bare_metal" / f"{program}.c",
-        *(ports / file for file in core.board),
-    ]
-    folders = (directory / "src", directory / "selftest", ports, ports / "bare_metal")
-    target = out / f"{program}.elf"
-    command = [
-        *core.compile, *FLAGS, *options, *(f"-I{folder}" for folder in folders),
-        *map(str, files), *(flag.format(ports=ports) for flag in core.link),
-        "-Wl,--gc-sections,--fatal-warnings", "-o", str(target),
-    ]  # fmt: skip
-    run_compiler(command, out, f"{directory}: {core.compile[0]}")
-    return target
+        raise ToolError(f"{core.name}: needs {missing}; install with `apt-get install {missing}`")
 
 
 @functools.cache

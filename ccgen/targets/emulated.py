@@ -8,10 +8,11 @@ from pathlib import Path
 import can
 
 from ccgen.can.transports import WINDOW_MS
-from ccgen.targets.build import LEVEL
-from ccgen.targets.cores import build, core_named, require_tools
+from ccgen.targets.compiler import LEVEL
+from ccgen.targets.cores import core_named, require_tools
 from ccgen.targets.emulator import running_node
 from ccgen.targets.exported import Exported
+from ccgen.targets.firmware import compile_firmware
 
 
 @contextmanager
@@ -24,19 +25,19 @@ def emulated_node(
 
     Args:
         exported: the folder.
-        target: one of `CORES`.
+        target: one of `MICROCONTROLLERS`.
         level: of the compiler's optimisation.
         options: further flags for the compiler.
 
     Raises:
-        InputError: unknown target.
+        ArgumentError: unknown target.
         ToolError: a tool is missing, or the firmware does not compile, start or stay alive.
     """
-    require_tools(target)
     core = core_named(target)
+    require_tools(core)
     flags = (level, f"-DPORT_WINDOW_US={1000 * WINDOW_MS}u", *options)
     with tempfile.TemporaryDirectory() as name:
         out = Path(name)
-        program = build(exported.directory, core, "node", out, flags)
+        program = compile_firmware(exported.directory, core, "node", out, flags)
         with running_node(core.emulate(program, exported.directory / "ports", out)) as bus:
             yield bus

@@ -2,8 +2,8 @@
 
 from ccgen.can.exchange import Pace
 from ccgen.errors import ToolError
-from ccgen.targets.build import LEVEL
-from ccgen.targets.cores import require_tools
+from ccgen.targets.compiler import LEVEL
+from ccgen.targets.cores import core_named, require_tools
 from ccgen.targets.emulated import emulated_node
 from ccgen.targets.exported import Exported
 from ccgen.targets.inputs import bus_counts
@@ -26,16 +26,16 @@ def verify_core(
 
     Args:
         exported: the folder.
-        target: one of `ccgen.targets.cores.CORES`.
+        target: one of `ccgen.targets.cores.MICROCONTROLLERS`.
         plan: extent; `UART_SNAPSHOTS` over the UART unless it names a number.
         report: of progress.
         level: of the compiler's optimisation.
 
     Raises:
-        InputError: unknown target.
+        ArgumentError: unknown target.
         ToolError: a tool is missing, or the firmware does not compile or run.
     """
-    require_tools(target)
+    require_tools(core_named(target))
     try:
         printed = run_batch(exported, target, plan, report, (level,))
         batch = compare_batch(exported, target, plan, printed)

@@ -10,8 +10,9 @@ import can
 from ccgen.can.exchange import Pace
 from ccgen.can.transports.library import library_node
 from ccgen.can.transports.process import process_node
-from ccgen.targets.build import LEVEL, build_process, build_shared
+from ccgen.targets.compiler import LEVEL
 from ccgen.targets.exported import Exported
+from ccgen.targets.host import compile_process, compile_shared
 from ccgen.targets.inputs import bus_counts
 from ccgen.targets.library import JointLibrary
 from ccgen.verify.batch import compare_batches
@@ -35,8 +36,8 @@ def verify(exported: Exported, plan: Plan, report: Progress, level: str = LEVEL)
     counts = bus_counts(exported, plan.bus_snapshots(exported.model.segments), plan.seed)
     runs = []
     with tempfile.TemporaryDirectory(prefix="ccgen-") as folder:
-        shared = build_shared(exported.directory, Path(folder), level)
-        program = build_process(exported.directory, Path(folder), level)
+        shared = compile_shared(exported.directory, Path(folder), level)
+        program = compile_process(exported.directory, Path(folder), level)
         library = JointLibrary(shared, exported.model)
         runs.append(compare_batches(exported, library, plan, report))
         nodes: dict[str, Callable[[], AbstractContextManager[can.BusABC]]] = {

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from ccgen.errors import ToolError
 from ccgen.export import vectors
-from ccgen.targets.build import LEVEL
-from ccgen.targets.cores import build, core_named, require_tools
+from ccgen.targets.compiler import LEVEL
+from ccgen.targets.cores import core_named, require_tools
 from ccgen.targets.emulator import run_to_end
 from ccgen.targets.exported import Exported
+from ccgen.targets.firmware import compile_firmware
 from ccgen.verify.compare import tip_positions
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
@@ -85,7 +86,7 @@ def run_batch(
 
     Args:
         exported: the folder.
-        target: one of `TARGETS`.
+        target: one of `MICROCONTROLLERS`.
         plan: extent.
         report: of progress.
         options: the compiler's, such as the level of optimisation.
@@ -93,8 +94,8 @@ def run_batch(
     Raises:
         ToolError: something is missing, or the firmware does not compile or run.
     """
-    require_tools(target)
     core = core_named(target)
+    require_tools(core)
     blocks = _blocks(exported, plan)
     extent = (
         f"-DBATCH_SEED={plan.seed & 0xFFFFFFFF}u", f"-DBATCH_BLOCKS={blocks}u",
@@ -109,7 +110,7 @@ def run_batch(
 
     with tempfile.TemporaryDirectory() as name:
         out = Path(name)
-        program = build(exported.directory, core, "batch", out, (*options, *extent))
+        program = compile_firmware(exported.directory, core, "batch", out, (*options, *extent))
         command = core.emulate(program, exported.directory / "ports", out)
         begin = time.perf_counter()
         run_to_end(command, _SILENCE, on_line)

@@ -1,15 +1,12 @@
 """Targets by name: the host, or a microcontroller's core in an emulator."""
 
-from ccgen.errors import ArgumentError
-from ccgen.targets.build import LEVEL
-from ccgen.targets.cores import CORES
+from ccgen.targets.compiler import LEVEL
+from ccgen.targets.cores import HOST, VERIFIED, require_known
 from ccgen.targets.exported import Exported
 from ccgen.verify import host
 from ccgen.verify.emulated import verify_core
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
-
-TARGETS = ("host", *CORES)
 
 
 def verify_target(
@@ -21,8 +18,7 @@ def verify_target(
         ArgumentError: unknown target.
         ToolError: a compiler or an emulator is missing, or does not accept the folder.
     """
-    if target not in TARGETS:
-        raise ArgumentError(f"{target} is unknown; known: {', '.join(TARGETS)}", "target")
-    if target in CORES:
-        return verify_core(exported, target, plan, report, level)
-    return host.verify(exported, plan, report, level)
+    require_known(target, VERIFIED)
+    if target == HOST:
+        return host.verify(exported, plan, report, level)
+    return verify_core(exported, target, plan, report, level)

@@ -13,12 +13,12 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from ccgen.cost.build import build
 from ccgen.cost.emulator import CORES, Program
 from ccgen.cost.instructions import count_estimates
+from ccgen.cost.program import compile_measured
 from ccgen.cost.stack import read_disassembly, read_frames, worst_case
 from ccgen.export.package import export
-from ccgen.targets import cores as cross
+from ccgen.targets.cores import core_named
 from ccgen.targets.exported import Exported, open_exported
 
 JOINTS = ((24, 3, 16), (48, 6, 16), (24, 3, 32), (48, 6, 32))
@@ -87,7 +87,7 @@ def exported(
 def instructions(folder: Exported, core: str) -> float:
     """Of one estimate, divided by segments and axes."""
     with tempfile.TemporaryDirectory() as place:
-        program = build(folder, cross.core_named(core), Path(place)).program
+        program = compile_measured(folder, core_named(core), Path(place)).program
         counted = count_estimates(folder, Program(program, CORES[core]))
     return counted / (2 * folder.joint.geometry.segments)
 
@@ -96,11 +96,11 @@ def footprint(folder: Exported, core: str) -> Footprint:
     """Of the estimator, constants apart."""
     name = folder.joint.name
     with tempfile.TemporaryDirectory() as place:
-        built = build(folder, cross.core_named(core), Path(place))
+        compiled = compile_measured(folder, core_named(core), Path(place))
         command = ["arm-none-eabi-size", "-A", str(Path(place) / f"{name}.o")]
         listing = subprocess.run(command, capture_output=True, text=True, check=True).stdout
         sections = (line.split() for line in listing.splitlines() if line.startswith(".text"))
-        functions, frames = read_disassembly(built.disassembly), read_frames(Path(place))
+        functions, frames = read_disassembly(compiled.disassembly), read_frames(Path(place))
         stack, _ = worst_case(f"{name}_estimate", functions, frames)
         return Footprint(code=sum(int(words[1]) for words in sections), stack=stack)
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from ccgen.can.exchange import Exchange, Pace, exchange
 from ccgen.can.transports.process import process_node
 from ccgen.export.package import export
-from ccgen.targets.build import build_process
 from ccgen.targets.exported import Exported, open_exported
+from ccgen.targets.host import compile_process
 from ccgen.targets.inputs import bus_counts
 
 SHOULDER = Path(__file__).resolve().parents[2] / "examples" / "shoulder.toml"
@@ -26,7 +26,7 @@ def main() -> None:
     seconds = parser.parse_args().seconds
     with tempfile.TemporaryDirectory() as folder:
         exported = exported_shoulder(Path(folder))
-        program = build_process(exported.directory, Path(folder))
+        program = compile_process(exported.directory, Path(folder))
         show("paced", run(exported, program, RATE_HZ * seconds, Pace(rate_hz=RATE_HZ)))
         for in_flight in (1, 2, 4, 8, 14):
             answers = run(exported, program, 20_000, Pace(in_flight=in_flight))

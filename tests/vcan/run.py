@@ -15,7 +15,8 @@ from itertools import product
 from pathlib import Path
 
 from ccgen.export.package import export
-from ccgen.targets.build import FLAGS, compiler, sources
+from ccgen.targets.compiler import compiler, sources
+from ccgen.targets.host import FLAGS
 
 HERE = Path(__file__).resolve().parent
 EXAMPLES = HERE.parents[1] / "examples"

@@ -1,4 +1,4 @@
-"""Compiles an exported folder for the host: as a shared library and as a process."""
+"""Compilers: that of the host, what every one of them is asked to check, how one is run."""
 
 import os
 import shutil
@@ -13,8 +13,6 @@ WARNINGS = (
     "-Wshadow", "-Wundef", "-Wmissing-prototypes", "-Wvla", "-Werror",
 )  # fmt: skip
 """Warnings under which every exported file compiles."""
-
-FLAGS = ("-std=c99", "-ffp-contract=off", *WARNINGS)
 
 LEVELS = ("-O0", "-Os", "-O2", "-O3")
 """Levels of optimisation at which angles are the same, bit for bit."""
@@ -50,26 +48,6 @@ def sources(directory: Path) -> list[Path]:
     if not found:
         raise InputError(f"{directory}: holds no src/*.c; name a folder that `ccgen export` wrote")
     return found
-
-
-def build_shared(directory: Path, out: Path, level: str = LEVEL) -> Path:
-    """Compile the joint and ports/shared into a shared library in the folder `out`."""
-    selftest = sorted((directory / "selftest").glob("*_selftest.c"))
-    files = [*sources(directory), *selftest, directory / "ports" / "shared" / "shared.c"]
-    return _compile(directory, files, out / "libjoint.so", [level, "-shared", "-fPIC"])
-
-
-def build_process(directory: Path, out: Path, level: str = LEVEL) -> Path:
-    """Compile the joint and ports/posix into a program in the folder `out`."""
-    files = [*sources(directory), directory / "ports" / "posix" / "main.c"]
-    return _compile(directory, files, out / "node", [level])
-
-
-def _compile(directory: Path, files: Sequence[Path], target: Path, flags: list[str]) -> Path:
-    include = [f"-I{directory / 'src'}", f"-I{directory / 'ports'}", f"-I{directory / 'selftest'}"]
-    command = [*compiler(), *FLAGS, *flags, *include, *map(str, files), "-o", str(target)]
-    run_compiler(command, target.parent, f"{directory}: {command[0]} does not compile the folder")
-    return target
 
 
 def run_compiler(command: Sequence[str], folder: Path, failure: str) -> None:

@@ -7,10 +7,9 @@ from pathlib import Path
 
 from ccgen.cost import harness
 from ccgen.cost.link import link
-from ccgen.cost.measured import HOST, binutils
 from ccgen.cost.size import HARNESS
-from ccgen.targets.build import LEVEL, run_compiler, sources
-from ccgen.targets.cores import Core
+from ccgen.targets.compiler import LEVEL, run_compiler, sources
+from ccgen.targets.cores import HOST, Core
 from ccgen.targets.exported import Exported
 
 FLAGS = (
@@ -25,7 +24,7 @@ _VARIABLES = ("counts", "frames", "joint", "angles", "pose", "node", "frame")
 
 
 @dataclass(frozen=True)
-class Built:
+class Compiled:
     """A linked program.
 
     Attributes:
@@ -43,7 +42,7 @@ class Built:
     state_bytes: int
 
 
-def build(exported: Exported, core: Core, folder: Path, level: str = LEVEL) -> Built:
+def compile_measured(exported: Exported, core: Core, folder: Path, level: str = LEVEL) -> Compiled:
     """Compile every file to an object, and link what the calls need.
 
     An object is named after its source, the runtime's with a prefix that no joint has.
@@ -80,12 +79,12 @@ def build(exported: Exported, core: Core, folder: Path, level: str = LEVEL) -> B
     else:
         extra = core.link if core.name == HOST else ()
         link([*compiler, *extra], objects, roots, program)
-    return Built(
+    return Compiled(
         program=program,
         map=program.with_suffix(".map"),
         folder=folder,
-        disassembly=_output([binutils(core, "objdump"), "-d", str(program)]),
-        state_bytes=_size_of("cost_node", _output([binutils(core, "nm"), "-S", str(program)])),
+        disassembly=_output([core.binutils("objdump"), "-d", str(program)]),
+        state_bytes=_size_of("cost_node", _output([core.binutils("nm"), "-S", str(program)])),
     )
 
 
