@@ -107,12 +107,13 @@ def test_what_a_joint_should_not_do_is_said_beside_the_result(capsys):
 def test_counts_beyond_the_transducer_are_named():
     text = (EXAMPLES / "shoulder.toml").read_text()
     joint = parse_joint(text.replace("[shapes]", "range = [-100, 6000]\n[shapes]"), "x")
-    assert simulate(joint, "constant-curvature", 0.05).u.out_of_range == (0, 1, 2)
-    assert simulate(joint, "end-force", 0.05).u.out_of_range == ()
-    assert simulate(joint, "end-force", -0.05).u.out_of_range == (0, 1, 2)
+    assert simulate(joint, "constant-curvature", 0.05).out_of_range == (0, 1, 2)
+    assert simulate(joint, "constant-curvature", 0.05, "v").out_of_range == (3, 4, 5)
+    assert simulate(joint, "end-force", 0.05).out_of_range == ()
+    assert simulate(joint, "end-force", -0.05).out_of_range == (0, 1, 2)
     narrow = parse_joint(text.replace("bits = 16", "bits = 12"), "x")
-    assert simulate(narrow, "end-force", 0.05).u.out_of_range == (0, 1)
-    assert simulate(read_joint(Path(SHOULDER)), "end-force", 0.05).u.out_of_range == ()
+    assert simulate(narrow, "end-force", 0.05).out_of_range == (0, 1)
+    assert simulate(read_joint(Path(SHOULDER)), "end-force", 0.05).out_of_range == ()
 
 
 @pytest.mark.parametrize("name", ["shape.svg", "shape.PNG"])
@@ -135,3 +136,126 @@ def test_a_plot_of_unknown_format_is_refused(capsys, tmp_path):
     assert out == ""
     assert err.endswith("a.pdf: unknown format; give a name that ends in .svg or .png\n")
     assert list(tmp_path.iterdir()) == []
+
+
+PUSH = """
+stiffness = 0.4
+tip_force = [5.0, 9.0, -3.0]
+distributed = [0.0, 0.0, -4.0]
+actuation_u = 20.0
+contacts = [{ at = 0.1, force = [-2.0, 1.0, 0.0] }]
+elongation = 0.03
+"""
+
+
+def push(tmp_path, text=PUSH):
+    file = tmp_path / "push.toml"
+    file.write_text(text)
+    return str(file)
+
+
+def under(loads, *more, joint=SHOULDER):
+    return ["simulate", joint, "--loads", loads, *more]
+
+
+def test_json_of_stated_loads_holds_the_shape_and_what_sensors_make_of_it(capsys, tmp_path):
+    turning = "actuation_u = 24.0\nactuation_v = -12.0\nelongation = [0.05]\n"
+    assert ccgen(*under(push(tmp_path, turning), "--json")) == 0
+    out, err = capsys.readouterr()
+    result = json.loads(out)
+    assert err == ""
+    assert result["segment_angles_deg"]["u"] == pytest.approx([2.0] * 12, rel=1e-12)
+    assert result["segment_angles_deg"]["v"] == pytest.approx([-1.0] * 12, rel=1e-12)
+    assert result["elongation"] == [0.05]
+    spans = np.array([5, 6, 5])
+    for axis, degrees in (("u", 2.0), ("v", -1.0)):
+        changes = spans * (0.05 * math.radians(degrees) + 0.05 * 0.02)
+        np.testing.assert_allclose(
+            result["sensor_lengths_m"][axis], 0.02 * spans + changes, rtol=1e-12
+        )
+        assert result["sensor_counts"][axis] == np.rint(changes / 2e-6).tolist()
+    # An arc in one plane of 26.83 degrees over the elongated length.
+    u, v = math.radians(24.0), math.radians(-12.0)
+    total = math.hypot(u, v)
+    across = 1.05 * 0.24 / total * (1 - math.cos(total)) / total
+    tip = [row[3] for row in result["tip_pose"][:3]]
+    expected = [across * v, -across * u, 1.05 * 0.24 / total * math.sin(total)]
+    np.testing.assert_allclose(tip, expected, rtol=1e-12)
+
+
+def test_stated_loads_give_a_table_and_say_what_lies_beyond_the_range(capsys, tmp_path):
+    assert ccgen(*under(push(tmp_path))) == 0
+    out, err = capsys.readouterr()
+    assert "elongation / %" in out
+    assert "3.000000" in out
+    assert err == (
+        "ccgen: segment 0 bends by -5.05 degrees in u, beyond the range of motion of 3\n"
+        "ccgen: segment 0 bends by 3.19 degrees in v, beyond the range of motion of 3\n"
+    )
+
+
+@pytest.mark.parametrize("name", ["shape.svg", "shape.png"])
+def test_the_plot_in_space_is_the_same_bytes_each_time(capsys, tmp_path, name):
+    files = [tmp_path / "a" / name, tmp_path / "b" / name]
+    for file in files:
+        assert ccgen(*under(push(tmp_path), "--json", "--plot", str(file))) == 0
+    assert capsys.readouterr().err.endswith(f"ccgen: wrote {files[1]}\n")
+    data = files[0].read_bytes()
+    assert data == files[1].read_bytes()
+    assert data.startswith(b"<?xml" if name.endswith("svg") else b"\x89PNG")
+
+
+def test_a_plot_without_forces_is_drawn_too(tmp_path):
+    bent = push(tmp_path, "actuation_v = 10.0\n")
+    assert ccgen(*under(bent, "--json", "--plot", str(tmp_path / "arc.svg"))) == 0
+    assert (tmp_path / "arc.svg").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (
+            "stiffness = 0.4\ntip_force = [0.0, 0.0, -100.0]",
+            "at 0.171 of these loads the joint buckles; lower them or raise stiffness",
+        ),
+        (
+            "stiffness = 0.4\ntip_force = [1e6, 0.0, 0.0]",
+            "of these loads segment 0 is bent by 90 degrees; lower them or raise stiffness",
+        ),
+        ("stiffness = 0.4\nat = 1.0", "at: unknown key here; write it in [[contacts]]"),
+        (
+            "elongation = [0.1, 0.1]",
+            "elongation: [0.1, 0.1] has 2 numbers; write one for each of the joint's sections,"
+            " here 1",
+        ),
+    ],
+)
+def test_loads_that_cannot_be_are_refused_in_one_line(capsys, tmp_path, text, says):
+    file = push(tmp_path, text)
+    assert ccgen(*under(file, "--json")) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith(f"ccgen: error: {file}: ")
+    assert err.endswith(f"{says}\n")
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--case", "uniform"], "--case: belongs to a load case; give it or --loads, not both"),
+        (["--first-segment", "1"], "--first-segment: belongs to a load case; give it or --loads"),
+        (["--axis", "v"], "--axis: belongs to a load case; give it or --loads, not both"),
+    ],
+)
+def test_stated_loads_exclude_a_load_case(capsys, tmp_path, options, says):
+    assert ccgen(*under(push(tmp_path), *options)) == 2
+    assert capsys.readouterr().err.startswith(f"ccgen: error: {says}")
+
+
+def test_half_a_load_case_is_told_what_it_lacks(capsys):
+    choices = "missing; give --case with --first-segment, or --loads FILE\n"
+    assert ccgen("simulate", SHOULDER) == 2
+    assert capsys.readouterr().err == f"ccgen: error: --case: {choices}"
+    assert ccgen("simulate", SHOULDER, "--case", "uniform") == 2
+    assert capsys.readouterr().err == f"ccgen: error: --first-segment: {choices}"

@@ -4,10 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
+from joint_files import joint_text
 
+from ccgen.errors import ReachError
+from ccgen.joint.file import parse_joint
 from ccgen.joint.loads import Contact, LoadRanges, StatedLoads
 from ccgen.shapes.loads.drawn import drawn_shapes
 from ccgen.shapes.loads.draws import GRAVITY, draw_loads
+from ccgen.shapes.loads.library import loads_library, shortfall
 from ccgen.shapes.loads.stated import shape_under
 
 LENGTH = 0.24
@@ -56,17 +60,18 @@ def as_stated(shapes, i):
 
 def test_drawn_shapes_are_equilibria_of_their_scaled_loads_within_the_range():
     drawn = shapes(FINGER)
-    assert drawn.u.shape == drawn.v.shape == (40, 12)
-    assert drawn.h.shape == (40, 2)
-    largest = np.maximum(np.abs(drawn.u), np.abs(drawn.v)).max(axis=1)
+    assert drawn.shapes.u.shape == drawn.shapes.v.shape == (40, 12)
+    assert drawn.shapes.h.shape == (40, 2)
+    largest = np.maximum(np.abs(drawn.shapes.u), np.abs(drawn.shapes.v)).max(axis=1)
     assert largest.max() <= ROM
     scaled = drawn.factor < 1
     assert 10 < scaled.sum() < 40
     np.testing.assert_allclose(largest[scaled], ROM, rtol=1e-8)
     for i in range(8):
-        u, v, h = shape_under(as_stated(drawn, i), (6, 6), LENGTH)
-        assert np.abs([u - drawn.u[i], v - drawn.v[i]]).max() < 1e-3 * largest[i]
-        np.testing.assert_array_equal(h, drawn.h[i])
+        shape = shape_under(as_stated(drawn, i), (6, 6), LENGTH)
+        off = shape.state[0] - drawn.shapes.state[i]
+        assert np.abs(off).max() < 1e-3 * largest[i]
+        np.testing.assert_array_equal(shape.h[0], drawn.shapes.h[i])
 
 
 def test_the_same_ranges_give_the_same_draws_and_more_samples_begin_alike():
@@ -75,8 +80,8 @@ def test_the_same_ranges_give_the_same_draws_and_more_samples_begin_alike():
         shapes(FINGER),
         shapes(dataclasses.replace(FINGER, samples=50)),
     )
-    assert few.u.tobytes() == again.u.tobytes()
-    np.testing.assert_allclose(more.v[:40], few.v, rtol=0, atol=1e-12)
+    assert few.shapes.u.tobytes() == again.shapes.u.tobytes()
+    np.testing.assert_allclose(more.shapes.v[:40], few.shapes.v, rtol=0, atol=1e-12)
     np.testing.assert_array_equal(more.loads.stiffness[:, :40], few.loads.stiffness)
 
 
@@ -86,7 +91,7 @@ def test_scaling_leaves_mass_mounting_and_elongation_alone():
     for name in ("weight", "elongation", "stiffness"):
         np.testing.assert_array_equal(getattr(strong.loads, name), getattr(weak.loads, name))
     assert strong.factor.mean() < 0.2
-    np.testing.assert_array_equal(strong.h, weak.h)
+    np.testing.assert_array_equal(strong.shapes.h, weak.shapes.h)
 
 
 def test_draws_fill_their_ranges_evenly():
@@ -137,32 +142,72 @@ def test_payload_hangs_along_gravity_and_the_tip_force_acts_across_the_axis():
 
 def test_a_joint_that_hangs_still_is_straight():
     drawn = shapes(ranges(mass=1.0, mounting=0.0))
-    assert np.all(drawn.u == 0.0)
+    assert np.all(drawn.shapes.u == 0.0)
     assert np.all(drawn.factor == 1.0)
 
 
 def test_draws_that_buckle_are_counted_and_replaced_by_others():
     standing = shapes(ranges(mass=6.0, mounting=np.pi))
-    assert (standing.drawn, standing.buckled, len(standing.u)) == (160, 160, 0)
+    assert (standing.drawn, standing.buckled, len(standing.shapes)) == (160, 160, 0)
     # A soft joint in any direction: what stands buckles, or lies beyond the range by its weight.
     some = shapes(ranges(mass=1.6, actuation=(-0.5, 0.5)))
-    assert some.drawn == len(some.u) + some.buckled + some.out_of_range
+    assert some.drawn == len(some.shapes) + some.buckled + some.out_of_range
     assert some.out_of_range > 0
-    assert len(some.u) == 40
+    assert len(some.shapes) == 40
 
 
 def test_loads_may_bring_back_a_joint_that_its_weight_bends_too_far():
     horizontal = {"mass": 1.5, "mounting": np.pi / 2}
     alone = shapes(ranges(**horizontal))
-    assert (len(alone.u), alone.out_of_range) == (0, 160)
+    assert (len(alone.shapes), alone.out_of_range) == (0, 160)
     lifted = shapes(ranges(**horizontal, actuation=(-0.6, 0.6)))
-    assert 0 < len(lifted.u) < 40
-    assert np.maximum(np.abs(lifted.u), np.abs(lifted.v)).max() <= ROM
+    assert 0 < len(lifted.shapes) < 40
+    assert np.maximum(np.abs(lifted.shapes.u), np.abs(lifted.shapes.v)).max() <= ROM
 
 
 @pytest.mark.parametrize(("sections", "degrees"), [((1,), 90.0), ((2,), 40.0), ((32, 32), 1.0)])
 def test_any_number_of_segments_bends(sections, degrees):
     stated = dataclasses.replace(FINGER, samples=16)
     drawn = shapes(stated, sections, np.radians(degrees))
-    assert drawn.u.shape == (16, sum(sections))
-    assert np.maximum(np.abs(drawn.u), np.abs(drawn.v)).max() <= np.radians(degrees)
+    assert drawn.shapes.u.shape == (16, sum(sections))
+    assert np.maximum(np.abs(drawn.shapes.u), np.abs(drawn.shapes.v)).max() <= np.radians(degrees)
+
+
+def finger(loads, **changes):
+    return parse_joint(joint_text(tables=f"[loads]\n{loads}", **changes), "finger.toml")
+
+
+def test_a_joint_gives_rows_of_its_stated_loads():
+    joint = finger("samples = 20\nstiffness = 0.4\nmass = 0.3\nactuation = [-60, 60]\n")
+    drawn = loads_library(joint)
+    assert len(drawn.shapes) == 20
+    assert set(drawn.shapes.source) == {"loads"}
+    assert shortfall(drawn, 20) is None
+    assert loads_library(parse_joint(joint_text(), "finger.toml")) is None
+
+
+def test_a_joint_that_buckles_at_every_draw_is_refused_in_one_line():
+    joint = finger("samples = 5\nstiffness = 0.4\nmass = 8\nmounting = 180\n")
+    with pytest.raises(ReachError) as error:
+        loads_library(joint)
+    assert str(error.value) == (
+        "finger.toml: loads: of 20 draws 20 buckle; write smaller loads or a larger loads.stiffness"
+    )
+    lying = finger("samples = 5\nstiffness = 0.4\nmass = 2\nmounting = 90\n")
+    with pytest.raises(ReachError) as error:
+        loads_library(lying)
+    assert str(error.value) == (
+        "finger.toml: loads: of 20 draws 20 bend beyond the range of motion by weight alone; write "
+        "a smaller loads.mass, a larger loads.stiffness or geometry.range_of_motion"
+    )
+
+
+def test_fewer_shapes_than_wanted_are_told():
+    drawn = loads_library(finger("samples = 30\nstiffness = 0.4\nmass = 3\n"))
+    found = len(drawn.shapes)
+    assert 0 < found < 30
+    assert drawn.drawn == 120
+    assert shortfall(drawn, 30) == (
+        f"{found} of 30 shapes: of 120 draws {120 - found} bend beyond the range of motion by "
+        "weight alone"
+    )

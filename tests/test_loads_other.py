@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from joint_files import joint_text
 
 from ccgen.estimation import wam
+from ccgen.joint.file import parse_joint
 from ccgen.joint.layouts import heuristic
 from ccgen.sensing.readings import readings
 from ccgen.shapes import shape_library
+from ccgen.shapes.loads.library import other_library
 from ccgen.shapes.loads.other import KINDS, PER_KIND, other_shapes
 
 ROM = np.radians(3.0)
@@ -51,3 +54,15 @@ def test_weights_fitted_to_the_cases_miss_each_kind_as_was_measured_elsewhere():
         mean = percent[np.array(other.kinds) == kind].mean()
         assert expected / 2 < mean < 2 * expected, kind
     assert 2.0 < percent.mean() < 9.0
+
+
+def test_a_joint_meets_two_shapes_of_a_kind_at_once():
+    rows = other_library(parse_joint(joint_text(), "finger.toml"))
+    other = other_shapes(12, ROM)
+    np.testing.assert_array_equal(rows.u, other.angles)
+    assert sorted(map(tuple, rows.v)) == sorted(map(tuple, rows.u))
+    assert not np.any(np.all(rows.u == rows.v, axis=1))
+    chambers = np.array(other.kinds) == "two chambers"
+    assert np.ptp(rows.v[chambers].reshape(-1, 2, 6), axis=2).max() < 1e-15
+    assert set(rows.source) == {"other loads"}
+    assert np.all(rows.h == 0.0)

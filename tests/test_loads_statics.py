@@ -17,8 +17,8 @@ from ccgen.shapes.loads.stated import shape_under
 def bend(segments=12, length=1.0, sections=None, **loads):
     """Segment angles u and v in radians of a joint with EI = 1 unless stated."""
     stated = StatedLoads(**{"stiffness": 1.0, "source": "loads.toml", **loads})
-    u, v, _ = shape_under(stated, sections or (segments,), length)
-    return u, v
+    shape = shape_under(stated, sections or (segments,), length)
+    return shape.u[0], shape.v[0]
 
 
 # Planar rod, backward shooting to 1e-11; length 1, EI 1, degrees.

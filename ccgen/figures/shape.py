@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 @styled
 def shape_figure(joint: Joint, simulation: "Simulation", axis: str = "u") -> "Figure":
     """Draw the bent axis of a simulated joint: its curve, its angles and the sensors' readings."""
-    angles = simulation.u.angles if axis == "u" else simulation.v.angles
+    angles = simulation.u if axis == "u" else simulation.v
     figure, (curve, profile) = new_figure((7.0, 4.0), 2)
     deflection, height = planar_curve(angles, joint.geometry.segment_length)
     curve.plot(deflection, height, color="#000000")

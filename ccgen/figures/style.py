@@ -67,9 +67,24 @@ def planar_curve(angles: Floats, segment_length: float) -> tuple[Floats, Floats]
     Returns:
         Deflection and height, shape (points,), metres, the base included.
     """
-    fine = np.repeat(np.asarray(angles) / POINTS_PER_SEGMENT, POINTS_PER_SEGMENT)
-    ends = chain(np.zeros_like(fine), fine, segment_length / POINTS_PER_SEGMENT)[:, :3, 3]
-    return np.append(0.0, ends[:, 0]), np.append(0.0, ends[:, 2])
+    bent = np.asarray(angles)
+    curve = space_curve(np.zeros_like(bent), bent, np.full_like(bent, segment_length))
+    return curve[:, 0], curve[:, 2]
+
+
+def space_curve(u: Floats, v: Floats, lengths: Floats) -> Floats:
+    """Neutral axis of a joint in the base frame, several points a segment.
+
+    Args:
+        u: bends of the segments about x, shape (m,), radians.
+        v: the same about y.
+        lengths: of the segments, shape (m,), metres.
+
+    Returns:
+        Shape (points, 3), metres, the base included.
+    """
+    parts = (np.repeat(x / POINTS_PER_SEGMENT, POINTS_PER_SEGMENT) for x in (u, v, lengths))
+    return np.concatenate([np.zeros((1, 3)), chain(*parts)[:, :3, 3]])
 
 
 def new_figure(size: tuple[float, float], columns: int, rows: int = 1) -> tuple["Figure", Any]:

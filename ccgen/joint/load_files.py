@@ -91,7 +91,7 @@ def _stated(table: StatedLoadsTable, source: str, geometry: Geometry) -> StatedL
                 f"contacts[{i}].at: {contact.at} m lies beyond the tip; write metres from 0 at the "
                 f"base to {geometry.length} at the tip"
             )
-    sections = 1
+    sections = len(geometry.sections)
     if table.elongation and len(table.elongation) != sections:
         raise KeyProblemError(
             f"elongation: {toml_value(table.elongation)} has {len(table.elongation)} numbers; "

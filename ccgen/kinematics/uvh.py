@@ -39,18 +39,19 @@ _SERIES_LIMIT = 1.0  # of phi^2: beyond, the closed forms of c and d lose less t
 _SERIES_TERMS = 10  # the first one left out is below 1e-20
 
 
-def segment_transform(u: ArrayLike, v: ArrayLike, h: float) -> Array:
+def segment_transform(u: ArrayLike, v: ArrayLike, h: ArrayLike) -> Array:
     """Pose of a segment's distal end in its proximal frame.
 
     Args:
         u: bending about x, shape (...), radians.
         v: bending about y, shape (...), radians.
-        h: length of the neutral axis, metres.
+        h: length of the neutral axis, a number or shape (...), metres.
 
     Returns:
         Homogeneous transforms, shape (..., 4, 4), metres.
     """
     u, v = _pair(u, v)
+    h = np.asarray(h, dtype=np.float64)
     a, b = _sinc(u, v)
     transform = np.zeros((*u.shape, 4, 4))
     transform[..., 0, 0] = 1 - b * v * v
@@ -68,13 +69,13 @@ def segment_transform(u: ArrayLike, v: ArrayLike, h: float) -> Array:
     return transform
 
 
-def chain(u: ArrayLike, v: ArrayLike, h: float) -> Array:
+def chain(u: ArrayLike, v: ArrayLike, h: ArrayLike) -> Array:
     """Poses of the distal ends of all segments in the base frame.
 
     Args:
         u: bending about x, shape (..., m), radians.
         v: bending about y, shape (..., m), radians.
-        h: length of one segment, metres.
+        h: length of a segment, a number or shape (..., m), metres.
 
     Returns:
         Homogeneous transforms, shape (..., m, 4, 4), metres.
@@ -85,7 +86,7 @@ def chain(u: ArrayLike, v: ArrayLike, h: float) -> Array:
     return poses
 
 
-def tip_pose(u: ArrayLike, v: ArrayLike, h: float) -> Array:
+def tip_pose(u: ArrayLike, v: ArrayLike, h: ArrayLike) -> Array:
     """Pose of the joint's tip in the base frame, shape (..., 4, 4); arguments as for `chain`."""
     return chain(u, v, h)[..., -1, :, :]
 

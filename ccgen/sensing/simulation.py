@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.joint import Joint
+from ccgen.joint.loads import StatedLoads
 from ccgen.kinematics import tip_pose
 from ccgen.sensing.counts import counts_of, within
 from ccgen.sensing.readings import length_changes
@@ -16,25 +17,21 @@ Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class SensedAxis:
-    """One bending axis: its m segments' angles and what its n sensors measure."""
+class Simulation:
+    """A joint of m segments and S sections, bent, and what its n sensors measure."""
 
-    angles: Floats
-    """Shape (m,), radians."""
+    u: Floats
+    """Segment angles about x, shape (m,), radians."""
+    v: Floats
+    """Segment angles about y, shape (m,), radians."""
+    h: Floats
+    """Elongation of each section, shape (S,), share of its length."""
     lengths: Floats
     """Tendon length over each sensor's span, shape (n,), metres."""
     counts: Integers
     """Ideal readings with zero at the straight pose, shape (n,), counts."""
     out_of_range: tuple[int, ...]
     """Sensors whose count the transducer cannot give."""
-
-
-@dataclass(frozen=True, eq=False)
-class Simulation:
-    """A joint bent in one plane."""
-
-    u: SensedAxis
-    v: SensedAxis
     tip_pose: Floats
     """Homogeneous transform in the base frame, shape (4, 4), metres."""
 
@@ -52,28 +49,44 @@ def simulate(joint: Joint, case: str, first_segment: float, axis: str = "u") -> 
         ReachError: an angle that the load case does not reach.
     """
     geometry = joint.geometry
-    bent = single_shape(geometry.segments, case, first_segment)
-    straight = np.zeros(geometry.segments)
+    bent = single_shape(geometry.segments, case, first_segment)[None]
+    straight = np.zeros_like(bent)
     u, v = (bent, straight) if axis == "u" else (straight, bent)
-    shapes = unstretched(u[None], v[None], len(geometry.sections), case)
+    return sensed(joint, unstretched(u, v, len(geometry.sections), case))
+
+
+def simulate_loads(joint: Joint, loads: StatedLoads) -> Simulation:
+    """Bend a joint under stated loads.
+
+    Raises:
+        ReachError: loads that buckle the joint, or bend a segment by more than 90 degrees.
+    """
+    from ccgen.shapes.loads.stated import shape_under
+
+    return sensed(joint, shape_under(loads, joint.geometry.sections, joint.geometry.length))
+
+
+def sensed(joint: Joint, shape: Shapes) -> Simulation:
+    """What ideal sensors make of one shape; `shape` has one row."""
+    geometry, (u,), (v,), (h,) = joint.geometry, shape.u, shape.v, shape.h
+    counts = counts_of(joint, shape)[0]
+    unbent = geometry.segment_length * np.array([sensor.segments for sensor in joint.sensors])
     return Simulation(
-        u=_sensed(joint, "u", shapes, u),
-        v=_sensed(joint, "v", shapes, v),
-        tip_pose=tip_pose(u, v, geometry.segment_length),
-    )
-
-
-def _sensed(joint: Joint, axis: str, shapes: Shapes, angles: Floats) -> SensedAxis:
-    own = joint.own(axis)
-    sensors, counts = joint.sensors[own], counts_of(joint, shapes)[0, own]
-    unbent = joint.geometry.segment_length * np.array([sensor.segments for sensor in sensors])
-    return SensedAxis(
-        angles=angles,
-        lengths=unbent + length_changes(joint, shapes.state)[0, own],
+        u=u,
+        v=v,
+        h=h,
+        lengths=unbent + length_changes(joint, shape.state)[0],
         counts=counts,
         out_of_range=tuple(
             j
-            for j, (sensor, count) in enumerate(zip(sensors, counts, strict=True))
+            for j, (sensor, count) in enumerate(zip(joint.sensors, counts, strict=True))
             if not within(sensor, int(count))
         ),
+        tip_pose=tip_pose(u, v, segment_lengths(joint, h)),
     )
+
+
+def segment_lengths(joint: Joint, elongation: Floats) -> Floats:
+    """Neutral axis of each segment, shape (..., m), metres, for elongations (..., S)."""
+    stretch = np.repeat(1.0 + elongation, joint.geometry.sections, axis=-1)
+    return np.asarray(joint.geometry.segment_length * stretch)

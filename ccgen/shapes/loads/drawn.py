@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ccgen.joint.loads import LoadRanges
+from ccgen.shapes.library import Shapes
 from ccgen.shapes.loads import mesh as meshes
 from ccgen.shapes.loads.continuation import (
     LIMITED,
@@ -32,9 +33,7 @@ class DrawnShapes:
     """Shapes of N drawn loads, and what became of the other draws.
 
     Attributes:
-        u: bends of the segments about x, shape (N, m), radians.
-        v: the same about y.
-        h: elongation of the sections, shape (N, sections), share of the length.
+        shapes: of the source "loads".
         loads: of each shape, before they are scaled.
         factor: by which actuation, forces, moments, contact and payload are scaled, shape (N,).
         drawn: how many loads were drawn.
@@ -42,9 +41,7 @@ class DrawnShapes:
         out_of_range: how many are beyond the range of motion whatever the factor.
     """
 
-    u: Array
-    v: Array
-    h: Array
+    shapes: Shapes
     loads: Draws
     factor: Array
     drawn: int
@@ -96,9 +93,7 @@ def _gathered(draws: Draws, bent: list[_Bent]) -> DrawnShapes:
     )
     kept = draws.of(np.flatnonzero(valid))
     return DrawnShapes(
-        u=u[valid],
-        v=v[valid],
-        h=kept.elongation.T.copy(),
+        shapes=Shapes(u[valid], v[valid], kept.elongation.T, ("loads",) * int(valid.sum())),
         loads=kept,
         factor=factor[valid],
         drawn=outcome.size,

@@ -6,6 +6,7 @@ import numpy as np
 
 from ccgen.errors import ReachError
 from ccgen.joint.loads import StatedLoads
+from ccgen.shapes.library import Shapes
 from ccgen.shapes.loads import mesh as meshes
 from ccgen.shapes.loads.continuation import LIMITED, REACHED, STEEPEST, Limit, Raised, raise_loads
 from ccgen.shapes.loads.equilibrium import Array, DeadLoads
@@ -14,18 +15,13 @@ _ELEMENTS = 72
 """At least so many: angles are right to 0.01 % of the largest."""
 
 
-def shape_under(
-    loads: StatedLoads, sections: tuple[int, ...], length: float
-) -> tuple[Array, Array, Array]:
-    """Raise stated loads from zero.
+def shape_under(loads: StatedLoads, sections: tuple[int, ...], length: float) -> Shapes:
+    """Raise stated loads from zero: one shape, of the source "loads".
 
     Args:
         loads: what acts on the joint.
         sections: segments of each part that elongates by itself.
         length: of the joint without elongation, metres.
-
-    Returns:
-        Bends u and v of the segments, shape (m,), radians; elongation, shape (sections,).
 
     Raises:
         ReachError: loads that buckle the joint, or bend a segment by more than 90 degrees.
@@ -40,7 +36,7 @@ def shape_under(
     )
     u, v = meshes.segment_angles(mesh, raised.angles)
     _check(raised, u[0], v[0], loads.source)
-    return u[0], v[0], elongation
+    return Shapes(u, v, elongation[None], ("loads",))
 
 
 def _dead_loads(mesh: meshes.Mesh, loads: StatedLoads, length: float) -> DeadLoads:
