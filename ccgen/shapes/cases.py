@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ccgen.errors import InputError, ReachError
 from ccgen.joint import CASES, Joint
 from ccgen.shapes import beam
+from ccgen.shapes.refinement import segment_angles
 
 FloatArray = NDArray[np.float64]
 
@@ -141,6 +142,5 @@ def _segment_angles(segments: int, case: str, first_segment: ArrayLike) -> Float
         raise InputError(f"unknown load case {case!r}; known: {', '.join(CASES)}")
     magnitudes, which = np.unique(np.abs(first), return_inverse=True)
     bent = beam.bend(beam.LOAD_CASES[case], segments, magnitudes)
-    ends = np.arange(segments + 1) / segments
-    angles = np.diff(bent.angles(ends), axis=-1)
+    angles = segment_angles(bent.case, bent.states, segments, magnitudes)
     return angles[which] * np.sign(first)[:, None]

@@ -26,6 +26,8 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
+from ccgen.shapes.collocation import collocation
+
 FloatArray = NDArray[np.float64]
 
 NODES = 64
@@ -108,18 +110,9 @@ class Equilibria:
         return self.states @ angle_rows(np.asarray(positions, dtype=np.float64)).T
 
 
-def _collocation() -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Nodes, weights, Legendre coefficients of nodal values, and the double integral at nodes."""
-    nodes, weights = legendre.leggauss(NODES)
-    # Inverting loses nothing (condition 15); summing over quadrature weights loses four digits.
-    analysis = np.linalg.inv(legendre.legvander(nodes, NODES - 1))
-    outboard = -legendre.legint(analysis, lbnd=1, scl=0.5)
-    twice = legendre.legint(outboard, lbnd=-1, scl=0.5)
-    at_nodes = legendre.legvander(nodes, NODES + 1) @ twice
-    return (nodes + 1) / 2, weights / 2, np.asarray(analysis, dtype=np.float64), at_nodes
-
-
-POSITIONS, QUADRATURE, _ANALYSIS, _TWICE_INTEGRATED = _collocation()
+_MATRICES = collocation(NODES)
+POSITIONS, QUADRATURE = _MATRICES.positions.hi, _MATRICES.quadrature.hi
+_ANALYSIS, _TWICE_INTEGRATED = _MATRICES.analysis.hi, _MATRICES.twice_integrated.hi
 
 
 def angle_rows(positions: FloatArray) -> FloatArray:
@@ -167,7 +160,7 @@ def solve(
     ahead = np.zeros(states.shape)
     ahead[..., -1] = 1
     for _ in range(_MAX_ITERATIONS):
-        residual, jacobian = _linearise(case, states)
+        residual, jacobian = linearise(case, states)
         residual[..., -1] = states @ row - targets
         jacobian[..., -1, :] = row
         solved = np.linalg.solve(jacobian, np.stack([residual, ahead], axis=-1))
@@ -179,7 +172,7 @@ def solve(
     raise ArithmeticError(f"load case {case.name}: Newton's iteration does not converge")
 
 
-def _linearise(case: LoadCase, states: FloatArray) -> tuple[FloatArray, FloatArray]:
+def linearise(case: LoadCase, states: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Residuals (..., SIZE) of the equilibrium and their Jacobians; the last row is left open."""
     angles = states[..., :NODES]
     load, moment = states[..., NODES, None], states[..., NODES + 1, None]
