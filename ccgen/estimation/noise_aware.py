@@ -23,17 +23,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ccgen.double_double import DoubleDouble, concatenate, least_squares
 from ccgen.estimation.weights import Floats, Weights, without_intercept
 from ccgen.joint.layouts import Spans
 from ccgen.sensing.noise import checked_noise
-from ccgen.sensing.readings import readings
+from ccgen.sensing.readings import exact_readings
 
 if TYPE_CHECKING:
     from ccgen.shapes import ShapeLibrary
 
 
 def noise_aware(library: "ShapeLibrary", spans: Spans, noise_rad: ArrayLike) -> Weights:
-    """LMMSE weights for readings with independent noise.
+    """LMMSE weights for readings with independent noise, the same bits on every machine.
 
     Args:
         library: shapes whose second moment stands for what the joint does.
@@ -58,21 +59,20 @@ def posterior_covariance(library: "ShapeLibrary", spans: Spans, noise_rad: Array
     noise = checked_noise(noise_rad, spans)
     shapes, sensed = _roots(library, spans)
     gain = _gain(shapes, sensed, noise)
-    missed = shapes.T - gain @ sensed.T
+    missed = shapes.T - gain @ sensed.hi.T
     passed = gain * noise
     covariance: Floats = missed @ missed.T + passed @ passed.T
     return covariance
 
 
-def _roots(library: "ShapeLibrary", spans: Spans) -> tuple[Floats, Floats]:
+def _roots(library: "ShapeLibrary", spans: Spans) -> tuple[Floats, DoubleDouble]:
     """L^T, shape (N, m), with C = L L^T, and (H L)^T, shape (N, n)."""
     shapes = library.angles / np.sqrt(len(library.angles))
-    return shapes, readings(shapes, spans)
+    return shapes, exact_readings(shapes, spans)
 
 
-def _gain(shapes: Floats, sensed: Floats, noise: Floats) -> Floats:
+def _gain(shapes: Floats, sensed: DoubleDouble, noise: Floats) -> Floats:
     """G, shape (m, n)."""
-    system = np.vstack([sensed, np.diag(noise)])
+    system = concatenate([sensed, DoubleDouble.of(np.diag(noise))])
     wanted = np.vstack([shapes, np.zeros((noise.size, shapes.shape[1]))])
-    gain: Floats = np.linalg.lstsq(system, wanted, rcond=None)[0].T
-    return gain
+    return least_squares(system, wanted).T

@@ -7,6 +7,8 @@ minimum. The sum over linear residuals is convex, so the minimum is unique in th
 readings, and Newton's method in an orthonormal basis finds it to rounding in a few steps.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +22,8 @@ CHUNK = 1 << 17
 """Residuals worked on at once: few enough to stay in the processor's cache."""
 EPS = float(np.finfo(np.float64).eps)
 
+Product = Callable[[Floats, Floats], Floats]
+
 
 def soft_l1(residuals: Floats, f_scale: float) -> Floats:
     """Sum of the loss over the last dimension, in the residuals' unit squared.
@@ -31,10 +35,8 @@ def soft_l1(residuals: Floats, f_scale: float) -> Floats:
     Returns:
         Shape (...), equal to the `cost` of `least_squares`.
     """
-    z = np.square(residuals / f_scale)
-    # sqrt(1 + z) - 1 without the cancellation that would eat small residuals.
-    loss: Floats = f_scale**2 * (z / (np.sqrt(1.0 + z) + 1.0)).sum(axis=-1)
-    return loss
+    total: Floats = _losses(residuals, f_scale).sum(axis=-1)
+    return total
 
 
 def minimise(readings: Floats, targets: Floats, f_scale: float) -> Floats:
@@ -68,32 +70,45 @@ def _minimise_chunk(readings: Floats, targets: Floats, f_scale: float) -> Floats
     """Weights, shape (B, m, n), for readings (B, N, n) and targets (m, N)."""
     left, singular, right = np.linalg.svd(readings, full_matrices=False)
     kept = singular > singular[:, :1] * readings.shape[1] * EPS
-    bases = _Bases(np.where(kept[:, None, :], left, 0.0), kept)
-    coordinates = _descend(bases, targets, f_scale)
+    bases = Bases(np.where(kept[:, None, :], left, 0.0), kept)
+    coordinates = descend(bases, targets, f_scale)
     inverse = np.divide(1.0, singular, out=np.zeros_like(singular), where=kept)
     weights: Floats = (coordinates * inverse[:, None, :]) @ right
     return weights
 
 
-class _Bases:
+class Bases:
     """Orthonormal bases of B readings' column spaces, and what every step needs of them."""
 
-    def __init__(self, vectors: Floats, kept: NDArray[np.bool_]) -> None:
-        """Take vectors, shape (B, N, k), zero where `kept`, shape (B, k), is false."""
+    def __init__(
+        self, vectors: Floats, kept: NDArray[np.bool_], product: Product = np.matmul
+    ) -> None:
+        """Take vectors, shape (B, N, k), zero where `kept`, shape (B, k), is false.
+
+        Every sum of more than a few terms goes through `product`, a product of matrices.
+        """
         self.vectors = vectors
         self.kept = kept
+        self.product = product
         batch, samples, k = vectors.shape
         self.squares = (vectors[..., :, None] * vectors[..., None, :]).reshape(
             batch, samples, k * k
         )
 
-    def __getitem__(self, some: NDArray[np.bool_]) -> "_Bases":
-        return _Bases(self.vectors[some], self.kept[some])
+    def __getitem__(self, some: NDArray[np.bool_]) -> "Bases":
+        return Bases(self.vectors[some], self.kept[some], self.product)
 
     def residuals(self, at: Floats, targets: Floats) -> Floats:
         """Residuals, shape (B, m, N), at coordinates of shape (B, m, k)."""
-        difference: Floats = at @ np.swapaxes(self.vectors, 1, 2) - targets
-        return difference
+        return self.product(at, np.swapaxes(self.vectors, 1, 2)) - targets
+
+    def loss(self, residuals: Floats, f_scale: float) -> Floats:
+        """Soft-L1 loss, shape (B, m), of residuals of shape (B, m, N)."""
+        return self.product(_losses(residuals, f_scale), np.ones((residuals.shape[-1], 1)))[..., 0]
+
+    def along(self, pulls: Floats) -> Floats:
+        """Components of vectors of shape (B, m, N), shape (B, m, k)."""
+        return self.product(pulls, self.vectors)
 
     def step(self, curvature: Floats, gradient: Floats) -> Floats:
         """Solve the weighted normal equations, shape (B, m, k).
@@ -104,13 +119,48 @@ class _Bases:
         """
         k = self.kept.shape[1]
         diagonal = np.where(self.kept, EPS, 1.0)[:, None, :, None] * np.eye(k)
-        hessian = (curvature @ self.squares).reshape(*gradient.shape, k) + diagonal
-        return np.linalg.solve(hessian, gradient[..., None])[..., 0].astype(np.float64, copy=False)
+        hessian = self.product(curvature, self.squares).reshape(*gradient.shape, k) + diagonal
+        return _solve(hessian, gradient)
 
 
-def _descend(bases: _Bases, targets: Floats, f_scale: float) -> Floats:
-    """Coordinates of the minimum, shape (B, m, k), from the least-squares solution on."""
-    at: Floats = targets @ bases.vectors
+def _losses(residuals: Floats, f_scale: float) -> Floats:
+    z = np.square(residuals / f_scale)
+    # sqrt(1 + z) - 1 without the cancellation that would eat small residuals.
+    losses: Floats = f_scale**2 * (z / (np.sqrt(1.0 + z) + 1.0))
+    return losses
+
+
+def _row_sums(values: Floats) -> Floats:
+    """Sums over the last dimension, term after term."""
+    sums: Floats = np.cumsum(values, axis=-1)[..., -1]
+    return sums
+
+
+def _solve(matrices: Floats, wanted: Floats) -> Floats:
+    """Solve positive definite systems, shapes (..., k, k) and (..., k), by elimination in order."""
+    rows = np.concatenate([matrices, wanted[..., None]], axis=-1)
+    k = wanted.shape[-1]
+    for j in range(k):
+        rows[..., j, :] /= rows[..., j, j, None]
+        rows[..., j + 1 :, :] -= rows[..., j + 1 :, j, None] * rows[..., j, None, :]
+    solved = rows[..., k]
+    for j in reversed(range(k)):
+        solved[..., :j] -= rows[..., :j, j] * solved[..., j, None]
+    return solved
+
+
+def descend(bases: Bases, targets: Floats, f_scale: float) -> Floats:
+    """Coordinates of the minimum, shape (B, m, k), from the least-squares solution on.
+
+    Args:
+        bases: of B problems.
+        targets: shape (m, N).
+        f_scale: unit of the targets.
+
+    Raises:
+        InputError: no convergence.
+    """
+    at = bases.along(np.broadcast_to(targets, (len(bases.vectors), *targets.shape)))
     pending = np.arange(len(at))
     for _ in range(MAX_STEPS):
         at[pending], moved = _improve(bases, at[pending], targets, f_scale)
@@ -125,7 +175,7 @@ def _descend(bases: _Bases, targets: Floats, f_scale: float) -> Floats:
 
 
 def _improve(
-    bases: _Bases, at: Floats, targets: Floats, f_scale: float
+    bases: Bases, at: Floats, targets: Floats, f_scale: float
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """One step for each problem, and which of the B batches still move.
 
@@ -135,15 +185,18 @@ def _improve(
     Newton promises less than rounding, or nothing lowers its loss.
     """
     residuals = bases.residuals(at, targets)
-    loss = soft_l1(residuals, f_scale)
+    loss = bases.loss(residuals, f_scale)
     reweight = 1.0 / np.sqrt(1.0 + np.square(residuals / f_scale))
-    gradient = (residuals * reweight) @ bases.vectors
+    gradient = bases.along(residuals * reweight)
     step = bases.step(reweight**3, gradient)
-    promise = 0.5 * (gradient * step).sum(axis=-1)
+    promise = 0.5 * _row_sums(gradient * step)
     moving = promise > residuals.shape[-1] * EPS * loss
+    whole = at - step
+    # Where a step gains less than rounding, it still brings the coordinates to their last digits.
+    kept = np.where(moving[..., None], at, whole)
     if not moving.any():
-        return at, moving.any(axis=1)
-    best, lowest = _lowest(bases, [at - step], targets, f_scale)
+        return kept, moving.any(axis=1)
+    best, lowest = _lowest(bases, [whole], targets, f_scale)
     short = (moving & (lowest > loss - 0.5 * promise)).any(axis=1)
     if short.any():
         some, start = bases[short], at[short]
@@ -151,17 +204,17 @@ def _improve(
         tries += [start - step[short] * share for share in SHARES]
         best[short], lowest[short] = _lowest(some, tries, targets, f_scale)
     moving &= lowest < loss
-    return np.where(moving[..., None], best, at), moving.any(axis=1)
+    return np.where(moving[..., None], best, kept), moving.any(axis=1)
 
 
 def _lowest(
-    bases: _Bases, tries: list[Floats], targets: Floats, f_scale: float
+    bases: Bases, tries: list[Floats], targets: Floats, f_scale: float
 ) -> tuple[Floats, Floats]:
     """Of several coordinates, for each problem those of the lowest loss, and that loss."""
     best = tries[0]
-    lowest = soft_l1(bases.residuals(best, targets), f_scale)
+    lowest = bases.loss(bases.residuals(best, targets), f_scale)
     for other in tries[1:]:
-        loss = soft_l1(bases.residuals(other, targets), f_scale)
+        loss = bases.loss(bases.residuals(other, targets), f_scale)
         best = np.where((loss < lowest)[..., None], other, best)
         lowest = np.minimum(loss, lowest)
     return best, lowest

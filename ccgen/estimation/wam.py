@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ccgen.estimation.minimum import minimum
 from ccgen.estimation.soft_l1 import minimise, soft_l1
 from ccgen.estimation.weights import Floats, Weights, without_intercept
 from ccgen.joint.layouts import Spans
-from ccgen.sensing.readings import SpansLike, readings
+from ccgen.sensing.readings import SpansLike, exact_readings, readings
 
 if TYPE_CHECKING:
     from ccgen.shapes import ShapeLibrary
@@ -27,13 +28,14 @@ def wam(library: "ShapeLibrary", spans: Spans) -> Weights:
     """Weights at the minimum of the soft-L1 objective of equation (7), for all segments at once.
 
     Where the shapes do not determine the weights (more sensors than independent readings), the
-    minimum of smallest norm.
+    minimum of smallest norm. The same bits on every machine.
     """
-    return without_intercept("wam", spans, wam_matrix(library.angles, spans))
+    read = exact_readings(library.angles, spans)
+    return without_intercept("wam", spans, minimum(read, library.angles, F_SCALE))
 
 
 def wam_matrix(angles: Floats, spans: SpansLike) -> Floats:
-    """WAM weights of one placement or of a batch.
+    """WAM weights of one placement or of a batch, fast and good to rounding.
 
     Args:
         angles: shapes to fit, shape (N, m), radians.

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ccgen.double_double import DoubleDouble, matmul
 from ccgen.errors import InputError
 from ccgen.joint.layouts import Spans
 
@@ -47,17 +48,25 @@ def readings(angles: ArrayLike, spans: SpansLike) -> Floats:
         InputError: a span is reversed or outside the joint.
     """
     phi = np.asarray(angles, dtype=np.float64)
-    ends = np.asarray(spans, dtype=np.intp)
-    first, last = ends[..., 0], ends[..., 1]
     segments = phi.shape[-1]
-    wrong = (first < 0) | (last < first) | (last >= segments)
-    if wrong.any():
-        a, b = ends[wrong][0]
-        raise InputError(f"span [{a}, {b}] does not fit; give 0 <= first <= last <= {segments - 1}")
+    first, last = _ends(spans, segments)
     sums = np.zeros((*phi.shape[:-1], segments + 1))
     np.cumsum(phi, axis=-1, out=sums[..., 1:])
     means: Floats = (sums[..., last + 1] - sums[..., first]) / (last - first + 1)
     return means
+
+
+def exact_readings(angles: Floats, spans: Spans) -> DoubleDouble:
+    """Normalised readings in twice the precision, for fits; shape (N, n) from angles (N, m).
+
+    Raises:
+        InputError: a span is reversed or outside the joint.
+    """
+    segments = angles.shape[-1]
+    first, last = _ends(spans, segments)
+    numbers = np.arange(segments)[:, None]
+    covered = (numbers >= first) & (numbers <= last)
+    return matmul(angles, covered.astype(np.float64)) / (last - first + 1.0)
 
 
 def reading_matrix(segments: int, spans: Spans) -> Floats:
@@ -143,3 +152,14 @@ def _means(values: Floats, joint: "Joint") -> Floats:
 
     start, end = np.array([(sensor.start, sensor.end) for sensor in joint.sensors]).T
     return np.asarray((until(end) - until(start)) / (end - start))
+
+
+def _ends(spans: SpansLike, segments: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """First and last segments of spans, each of shape (..., n), checked."""
+    ends = np.asarray(spans, dtype=np.intp)
+    first, last = ends[..., 0], ends[..., 1]
+    wrong = (first < 0) | (last < first) | (last >= segments)
+    if wrong.any():
+        a, b = ends[wrong][0]
+        raise InputError(f"span [{a}, {b}] does not fit; give 0 <= first <= last <= {segments - 1}")
+    return first, last
