@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 import pytest
 
@@ -84,13 +83,6 @@ IDS = [f"{arm.segments}x{arm.precision}bit" for arm in ARMS]
 
 
 def render(arm: Arm) -> dict[str, str]:
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(resources.templates()),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
     values = {
         "name": "arm",
         "NAME": "ARM",
@@ -100,9 +92,7 @@ def render(arm: Arm) -> dict[str, str]:
         ),
     }
     return {
-        f"arm_kinematics.{ending}": environment.get_template(f"kinematics.{ending}.j2").render(
-            values
-        )
+        f"arm_kinematics.{ending}": resources.template(f"kinematics.{ending}.j2").render(values)
         for ending in ("h", "c")
     }
 

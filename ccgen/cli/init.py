@@ -40,14 +40,6 @@ def init(
 
 def joint_text(name: str) -> str:
     """Return the text of a commented joint file."""
-    import jinja2
+    from ccgen.resources import template
 
-    from ccgen import resources
-
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(resources.templates()),
-        undefined=jinja2.StrictUndefined,
-        keep_trailing_newline=True,
-        autoescape=False,
-    )
-    return environment.get_template("joint.toml.j2").render(name=name)
+    return template("joint.toml.j2").render(name=name)

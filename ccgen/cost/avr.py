@@ -6,44 +6,10 @@ from pathlib import Path
 
 from ccgen.cost.instructions import Times
 from ccgen.errors import ToolError
+from ccgen.resources import template
 from ccgen.targets.compiler import compiler, run_compiler
 
 MCU, HERTZ = "atmega1284p", 16_000_000
-
-EMULATOR = r"""
-#include <simavr/avr_ioport.h>
-#include <simavr/sim_avr.h>
-#include <simavr/sim_elf.h>
-#include <simavr/sim_io.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-
-static void note(struct avr_t *avr, avr_io_addr_t address, uint8_t value, void *unused) {
-    (void)unused;
-    avr->data[address] = value;
-    printf("note %u %llu\n", (unsigned)value, (unsigned long long)avr->cycle);
-}
-
-int main(int count, char **arguments) {
-    static elf_firmware_t firmware;
-    avr_t *avr = count == 4 ? avr_make_mcu_by_name(arguments[1]) : NULL;
-    if (avr == NULL || elf_read_firmware(arguments[3], &firmware) != 0) {
-        return 2;
-    }
-    avr_init(avr);
-    avr->log = LOG_NONE;
-    firmware.frequency = (uint32_t)atol(arguments[2]);
-    avr_load_firmware(avr, &firmware);
-    avr_register_io_write(avr, 0x3E, note, NULL);
-    int state = cpu_Running;
-    while (state != cpu_Done && state != cpu_Crashed) {
-        state = avr_run(avr);
-    }
-    return state == cpu_Crashed ? 3 : 0;
-}
-"""
-"""Runs a program and prints number and cycle whenever it writes GPIOR0."""
 
 _EMPTY = (7, 8)
 
@@ -59,7 +25,7 @@ def cycles(program: Path, folder: Path) -> Times:
         ToolError: simavr does not compile or run.
     """
     source, emulator = folder / "cycles.c", folder / "cycles"
-    source.write_text(EMULATOR, encoding="utf-8")
+    source.write_text(template("cost_cycles.c.j2").render(), encoding="utf-8")
     command = [*compiler(), "-O2", str(source), "-lsimavr", "-o", str(emulator)]
     run_compiler(command, folder, command[0])
     command = [str(emulator), MCU, str(HERTZ), str(program)]

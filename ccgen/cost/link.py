@@ -4,19 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ccgen.cost.emulator import RAM
+from ccgen.resources import template
 from ccgen.targets.compiler import run_compiler
-
-SCRIPT = f"""\
-SECTIONS
-{{
-    .text 0x10000 : {{ *(.text .text.*) }}
-    .rodata : {{ *(.rodata .rodata.* .srodata .srodata.*) }}
-    .ARM.exidx : {{ *(.ARM.exidx .ARM.exidx.*) }}
-    .data {RAM:#x} : {{ *(.data .data.* .sdata .sdata.*) }}
-    .bss : {{ *(.bss .bss.* .sbss .sbss.* COMMON) }}
-    /DISCARD/ : {{ *(.ARM.attributes .comment .eh_frame) }}
-}}
-"""
 
 
 def link(
@@ -34,7 +23,7 @@ def link(
         ToolError: the compiler or the linker does not accept the files.
     """
     script = target.with_suffix(".ld")
-    script.write_text(SCRIPT)
+    script.write_text(template("cost_link.ld.j2").render(ram=hex(RAM)))
     linker = ["-nostartfiles", f"-T{script}", f"-Wl,-Map={target.with_suffix('.map')}"]
     linker += ["-Wl,--gc-sections", *(f"-Wl,--undefined={root}" for root in roots)]
     command = [*compiler, *map(str, files), *linker, "-o", str(target)]

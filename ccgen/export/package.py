@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import jinja2
-
 from ccgen import resources
 from ccgen.can.layout import FrameLayout, layout_for
 from ccgen.errors import InputError
@@ -104,7 +102,7 @@ def render(joint: Joint, source: bytes) -> tuple[FixedPointModel, FrameLayout, d
         "joint_sources": [f"src/{joint.name}{part}.c" for part in ("", "_can", "_kinematics")],
     }
     texts = {
-        path.format(name=joint.name): _environment().get_template(template).render(values)
+        path.format(name=joint.name): resources.template(template).render(values)
         for path, template in JOINT_FILES.items()
     }
     texts[f"{joint.name}.dbc"] = dbc_text(layout, joint, model)
@@ -124,17 +122,6 @@ def runtime_files() -> dict[str, bytes]:
         for file in sorted((root / source).rglob("*"))
         if file.is_file()
     }
-
-
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(resources.templates()),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,
-    )
 
 
 def _only_ours(directory: Path) -> bool:

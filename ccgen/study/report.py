@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import Any
 
-import jinja2
-
 from ccgen import resources
 from ccgen.study.figure8 import LENGTH
 from ccgen.study.paper import DEM, E_WAM, EE, HO, OO, SENSORS, WAM
@@ -28,14 +26,7 @@ def report(
         figure7: SVG.
         figure8: SVG.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(resources.templates()),
-        undefined=jinja2.StrictUndefined,
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    html = environment.get_template("report.html.j2").render(
+    html = resources.template("report.html.j2").render(
         joints=table["joints"],
         not_compared=None if is_compared(table["joints"]) else not_compared(table["joints"]),
         segments=_extent(record["segments"] for record in records),

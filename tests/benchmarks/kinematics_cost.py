@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import casadi
-import jinja2
 import numpy as np
 import unicorn
 from elftools.elf.elffile import ELFFile
@@ -116,16 +115,10 @@ class Cost:
 
 def exported(segments: int, caller: str) -> str:
     """The exported C."""
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(resources.templates()),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     context = kinematics_context("arm", segments, SEGMENT_LENGTH, 16, FRACTION_BITS)
     values = {"name": "arm", "NAME": "ARM", "version": "", "kinematics": context}
     header, source = (
-        environment.get_template(f"kinematics.{ending}.j2").render(values) for ending in "hc"
+        resources.template(f"kinematics.{ending}.j2").render(values) for ending in "hc"
     )
     return header + source.replace('#include "arm_kinematics.h"', "") + caller
 
