@@ -12,7 +12,7 @@ import pytest
 from rich.console import Console
 from waiting import PATIENCE
 
-from ccgen.can.bridge import simulate
+from ccgen.can.bridge import simulated_stream
 from ccgen.can.exchange import Answer
 from ccgen.can.transports.library import library_node
 from ccgen.cli import bridge_display
@@ -43,7 +43,7 @@ def folder(tmp_path_factory):
 def stream(folder):
     exported = open_exported(folder)
     library = score_library(exported.joint)
-    return simulate(exported.joint, exported.model, library, "cases", 0.5, 100.0)
+    return simulated_stream(exported.joint, exported.model, library, "cases", 0.5, 100.0)
 
 
 def answer_to(stream, index, lost_frames=0):
@@ -147,7 +147,7 @@ def test_the_options_know_every_source():
 
 def test_the_load_cases_are_followed_as_closely_as_the_fit_promises(stream):
     exported = (stream.joint, stream.model)
-    round_trip = simulate(*exported, score_library(stream.joint), "cases", 10.0, 20.0)
+    round_trip = simulated_stream(*exported, score_library(stream.joint), "cases", 10.0, 20.0)
     errors = [
         round_trip.error_percent_rom(answer_to(round_trip, k))["u"]
         for k in range(len(round_trip.counts))

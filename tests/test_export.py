@@ -237,7 +237,7 @@ export(pathlib.Path({str(joint)!r}), pathlib.Path({str(tmp_path / "out")!r}))
 
 def test_drawn_counts_cover_the_range_and_its_ends(exported):
     model = load_model(exported / "finger" / "model.json")
-    drawn = vectors.batch(model, seed=7, snapshots=4000)
+    drawn = vectors.block(model, seed=7, snapshots=4000)
     for values in (drawn.counts, drawn.zeros):
         low = np.concatenate([model.u.minimum, model.v.minimum])
         high = np.concatenate([model.u.maximum, model.v.maximum])

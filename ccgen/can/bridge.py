@@ -66,7 +66,7 @@ class Stream:
         return {a: scale * float(np.abs(estimated[a] - true[a]).mean()) for a in AXES}
 
 
-def simulate(
+def simulated_stream(
     joint: Joint,
     model: FixedPointModel,
     library: ShapeLibrary,

@@ -90,7 +90,7 @@ def bridge(
 
     with _exported(path) as exported:
         rate_hz = rate or 1000.0 / exported.joint.can.cycle_ms
-        stream = stage.simulate(
+        stream = stage.simulated_stream(
             exported.joint,
             exported.model,
             score_library(exported.joint),

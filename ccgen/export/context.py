@@ -105,7 +105,7 @@ def can_context(layout: FrameLayout, joint: Joint) -> dict[str, Any]:
 def selftest_context(joint: Joint, model: FixedPointModel, library: ShapeLibrary) -> dict[str, Any]:
     """Vectors with the right angles, and checksums of drawn blocks."""
     limits = [model.axis(a) for a in AXES]
-    blocks = [vectors.batch(model, seed, BLOCK_SNAPSHOTS) for seed in range(BLOCKS)]
+    blocks = [vectors.block(model, seed, BLOCK_SNAPSHOTS) for seed in range(BLOCKS)]
     sums = [vectors.checksum(model.estimate(block.counts, block.zeros)) for block in blocks]
     count_bytes = joint.precision // 8
     state = count_bytes * 2 * (model.u.sensors + model.v.sensors + model.segments)

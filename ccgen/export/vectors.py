@@ -1,7 +1,7 @@
 """Test vectors: drawn alike in Python and in the self-test on the target.
 
-Draw k of a batch is a 32-bit mix of seed and k, so that Python draws a whole batch at once. A
-quarter of the draws sit on an end of the transducer's range. A batch is compared by a checksum
+Draw k of a block is a 32-bit mix of seed and k, so that Python draws a whole block at once. A
+quarter of the draws sit on an end of the transducer's range. A block is compared by a checksum
 in which every single wrong value shows: h = 16777619 h + value (mod 2^32), all values in order.
 """
 
@@ -22,7 +22,7 @@ _MASK = np.uint64(0xFFFFFFFF)
 
 
 @dataclass(frozen=True, eq=False)
-class Batch:
+class Block:
     """Counts and zeros of both axes, u then v; shapes (k, nu + nv)."""
 
     counts: Integers
@@ -30,7 +30,7 @@ class Batch:
 
 
 def draws(seed: int, number: int) -> NDArray[np.uint64]:
-    """Return the first draws of a batch, each below 2^32."""
+    """Return the first draws of a block, each below 2^32."""
     x = (np.uint64(seed) + np.uint64(STEP) * np.arange(1, number + 1, dtype=np.uint64)) & _MASK
     for shift, factor in ((16, MIX[0]), (13, MIX[1])):
         x ^= x >> np.uint64(shift)
@@ -38,7 +38,7 @@ def draws(seed: int, number: int) -> NDArray[np.uint64]:
     return x ^ (x >> np.uint64(16))
 
 
-def batch(model: FixedPointModel, seed: int, snapshots: int) -> Batch:
+def block(model: FixedPointModel, seed: int, snapshots: int) -> Block:
     """Draw zeros and counts over the full declared ranges, ends included."""
     low = np.concatenate([model.axis(a).minimum for a in AXES])
     high = np.concatenate([model.axis(a).maximum for a in AXES])
@@ -47,7 +47,7 @@ def batch(model: FixedPointModel, seed: int, snapshots: int) -> Batch:
     inside = low + (x % (high - low + 1).astype(np.uint64)).astype(np.int64)
     kind = x >> np.uint64(29)
     values = np.where(kind == 0, low, np.where(kind == 1, high, inside))
-    return Batch(counts=values[:, 1], zeros=values[:, 0])
+    return Block(counts=values[:, 1], zeros=values[:, 0])
 
 
 def checksum(values: Integers) -> int:

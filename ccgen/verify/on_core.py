@@ -172,5 +172,5 @@ def _seeds(plan: Plan, blocks: int) -> list[int]:
 
 
 def _checksum(exported: Exported, seed: int) -> int:
-    drawn = vectors.batch(exported.model, seed, BLOCK)
+    drawn = vectors.block(exported.model, seed, BLOCK)
     return vectors.checksum(exported.model.estimate(drawn.counts, drawn.zeros))

@@ -73,7 +73,7 @@ static void check_angles(void) {
         const uint32_t seed = BATCH_SEED + block;
         print("angles");
         print_hex(seed);
-        print_hex(port_selftest_batch(seed, BATCH_SNAPSHOTS));
+        print_hex(port_selftest_block(seed, BATCH_SNAPSHOTS));
         print("\n");
     }
 }
