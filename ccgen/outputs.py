@@ -1,16 +1,20 @@
 """Files and folders that appear whole or not at all.
 
 Everything is written beside its destination and renamed into place, so a failed or interrupted
-run leaves what was there, and nothing besides.
+run leaves what was there, and nothing besides. A folder that cannot give way, because somebody
+stands in it, because it is mounted, or because the folder above is closed to us, keeps its place:
+then its files are exchanged one by one, or, where that fails, put back.
 """
 
 import os
 import secrets
 import shutil
 import signal
+import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from types import FrameType
 
@@ -23,7 +27,7 @@ def write_file(path: Path, data: bytes) -> None:
     Raises:
         InputError: the place cannot be written, or something else than a file is there.
     """
-    path = Path(os.path.realpath(path))
+    path = _resolved(path)
     if path.exists() and not path.is_file():
         raise InputError(f"{path}: is not a file; choose another name")
     with _parent(path), _interruptible(), _beside(path) as temporary, _explained(path.parent):
@@ -46,8 +50,15 @@ def new_folder(path: Path, is_ours: Callable[[Path], bool]) -> Iterator[Path]:
     Raises:
         InputError: the place cannot be written, or what is there is not ours.
     """
-    path = Path(os.path.realpath(path))
+    path = _resolved(path)
     _check_replaceable(path, is_ours)
+    if path.is_dir() and _stays(path):
+        with _interruptible(), tempfile.TemporaryDirectory(prefix="ccgen-") as apart:
+            yield Path(apart)
+            _check_replaceable(path, is_ours)
+            with _explained(path):
+                _refill(path, Path(apart))
+        return
     with _parent(path), _interruptible(), _beside(path) as temporary:
         with _explained(path.parent):
             temporary.mkdir()
@@ -64,6 +75,68 @@ def _check_replaceable(path: Path, is_ours: Callable[[Path], bool]) -> None:
         raise InputError(f"{path}: is a file; choose another folder")
     if any(path.iterdir()) and not is_ours(path):
         raise InputError(f"{path}: was not written by ccgen; choose another folder or remove it")
+
+
+def _resolved(path: Path) -> Path:
+    try:
+        return Path(os.path.realpath(path))
+    except FileNotFoundError:  # of the current folder
+        raise InputError(
+            f"{path}: the current folder is gone; change to one that is there"
+        ) from None
+
+
+def _stays(folder: Path) -> bool:
+    """Whether a folder cannot give way to another: see the module."""
+    above = os.access(folder.parent, os.W_OK | os.X_OK)
+    return not above or os.path.ismount(folder) or _resolved(Path()).is_relative_to(folder)
+
+
+def _refill(folder: Path, new: Path) -> None:
+    """Put the files of `new` in the place of those in a folder, which stays; all or none."""
+    with _beside(folder / "new") as stage:
+        shutil.copytree(new, stage / "new")
+        (stage / "old").mkdir()
+        with _held_signals():
+            _exchange(folder, stage)
+
+
+def _exchange(folder: Path, stage: Path) -> None:
+    """Move a folder's files to stage/old and those of stage/new to it; undone where that fails."""
+    undo: list[Callable[[], object]] = []
+
+    def move(source: Path, target: Path) -> None:
+        for above in reversed([above for above in target.parents if not above.exists()]):
+            above.mkdir()
+            undo.append(above.rmdir)
+        source.rename(target)
+        undo.append(partial(target.rename, source))
+
+    wanted = {p.relative_to(stage / "new") for p in (stage / "new").rglob("*") if p.is_dir()}
+    try:
+        for path in _below(folder, stage):
+            if path.is_symlink() or not path.is_dir():
+                move(path, stage / "old" / path.relative_to(folder))
+            elif path.relative_to(folder) not in wanted:
+                path.rmdir()
+                undo.append(path.mkdir)
+        for path in _below(stage / "new", stage / "old"):
+            if path.is_symlink() or not path.is_dir():
+                move(path, folder / path.relative_to(stage / "new"))
+    except BaseException:
+        for step in reversed(undo):
+            step()
+        raise
+
+
+def _below(folder: Path, but: Path) -> Iterator[Path]:
+    """Everything below a folder, what is in a folder before it, without one of them."""
+    for path in sorted(folder.iterdir()):
+        if path == but:
+            continue
+        if path.is_dir() and not path.is_symlink():
+            yield from _below(path, but)
+        yield path
 
 
 def _swap(new: Path, path: Path) -> None:
@@ -83,7 +156,7 @@ def _swap(new: Path, path: Path) -> None:
 @contextmanager
 def _beside(path: Path) -> Iterator[Path]:
     """Give a name beside `path` that is free, and remove what is there in the end."""
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    temporary = path.with_name(f".ccgen-{secrets.token_hex(4)}")  # of no longer a name than fits
     try:
         yield temporary
     finally:

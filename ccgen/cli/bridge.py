@@ -118,7 +118,7 @@ def _exported(path: Path) -> Iterator["Exported"]:
         raise InputError(
             f"{path}: no such folder or joint file; `ccgen init NAME` writes a joint file"
         )
-    if not path.is_file():
+    if path.is_dir():
         yield open_exported(path)
         return
     from ccgen.export.package import export

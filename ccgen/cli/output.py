@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from ccgen.verify.plan import Progress
 
 
+_KEPT = frozenset(map(chr, (*range(0xDC80, 0xDD00), 0xA0)))
+"""What a message keeps though it cannot be printed: bytes of file names that are no text."""
+
 _ANY_WIDTH = 10_000
 """Columns, more than any table has."""
 
@@ -31,8 +34,9 @@ def print_json(result: Mapping[str, object]) -> None:
 
 
 def note(message: str) -> None:
-    """Print a message on stderr, on a line of its own."""
-    print(f"ccgen: {message}", file=sys.stderr)
+    """Print a message on stderr, on a line of its own, whatever characters it holds."""
+    line = "".join(c if c.isprintable() or c in _KEPT else repr(c)[1:-1] for c in message)
+    print(f"ccgen: {line}", file=sys.stderr)
 
 
 def results() -> "Console":

@@ -4,6 +4,7 @@ import subprocess
 from itertools import pairwise
 from pathlib import Path
 
+from ccgen.can.transports import not_run
 from ccgen.cost.instructions import Times
 from ccgen.errors import ToolError
 from ccgen.resources import template
@@ -29,7 +30,10 @@ def cycles(program: Path, folder: Path) -> Times:
     command = [*compiler(), "-O2", str(source), "-lsimavr", "-o", str(emulator)]
     run_compiler(command, folder, command[0])
     command = [str(emulator), MCU, str(HERTZ), str(program)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
+    except OSError as error:
+        raise ToolError(f"{emulator}: {not_run(emulator, error)}") from error
     words = (line.split() for line in done.stdout.splitlines() if line.startswith("note "))
     notes = [(int(number), int(cycle)) for _, number, cycle in words]
     if done.returncode != 0 or not notes:

@@ -24,7 +24,7 @@ def link(
     """
     script = target.with_suffix(".ld")
     script.write_text(template("cost_link.ld.j2").render(ram=hex(RAM)))
-    linker = ["-nostartfiles", f"-T{script}", f"-Wl,-Map={target.with_suffix('.map')}"]
+    linker = ["-nostartfiles", f"-T{script}", "-Xlinker", f"-Map={target.with_suffix('.map')}"]
     linker += ["-Wl,--gc-sections", *(f"-Wl,--undefined={root}" for root in roots)]
     command = [*compiler, *map(str, files), *linker, "-o", str(target)]
     run_compiler(command, target.parent, command[0])

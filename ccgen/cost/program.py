@@ -59,7 +59,7 @@ def compile_measured(exported: Exported, core: Core, folder: Path, level: str = 
     joint = exported.joint.name
     main = folder / f"{HARNESS}.c"
     main.write_text(harness.source(exported), encoding="utf-8")
-    compiler = [*core.compile, level, *FLAGS, f"-I{exported.directory / 'src'}"]
+    compiler = [*core.compile, level, *FLAGS, f"-I{exported.directory.absolute() / 'src'}"]
     objects = []
     for file in (*sources(exported.directory), main):
         prefix = "ccgen_" if file.parent.name == "ccgen" else ""
@@ -73,8 +73,8 @@ def compile_measured(exported: Exported, core: Core, folder: Path, level: str = 
     program = folder / "cost.elf"
     if core.name == "avr":
         kept = [f"-Wl,--undefined={root}" for root in roots]
-        mapped = f"-Wl,--gc-sections,-Map={program.with_suffix('.map')}"
-        command = [*compiler, *map(str, objects), *kept, mapped, "-o", str(program)]
+        mapped = ["-Wl,--gc-sections", "-Xlinker", f"-Map={program.with_suffix('.map')}"]
+        command = [*compiler, *map(str, objects), *kept, *mapped, "-o", str(program)]
         run_compiler(command, folder, f"{exported.directory}: {compiler[0]}")
     else:
         extra = core.link if core.name == HOST else ()
@@ -89,7 +89,10 @@ def compile_measured(exported: Exported, core: Core, folder: Path, level: str = 
 
 
 def _output(command: Sequence[str]) -> str:
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    done = subprocess.run(
+        command, capture_output=True, encoding="utf-8", errors="replace", check=True
+    )
+    return done.stdout
 
 
 def _size_of(symbol: str, listing: str) -> int:

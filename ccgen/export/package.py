@@ -14,7 +14,7 @@ from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
 from ccgen.fixedpoint import FixedPointModel, model_json, quantise
 from ccgen.joint import AXES, Joint
-from ccgen.joint.file import read_joint
+from ccgen.joint.file import read_joint_and_bytes
 from ccgen.outputs import new_folder
 from ccgen.shapes import fit_library, score_library
 
@@ -64,8 +64,8 @@ def export(joint_file: Path, directory: Path) -> Export:
         InputError: the joint's file is wrong, no format fits, or the folder cannot be written or
             holds files that are not ours.
     """
-    joint = read_joint(joint_file)
-    model, layout, files = render(joint, joint_file.read_bytes())
+    joint, source = read_joint_and_bytes(joint_file)
+    model, layout, files = render(joint, source)
     with new_folder(directory, _only_ours) as folder:
         for path, content in files.items():
             target = folder / path

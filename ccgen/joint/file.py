@@ -24,7 +24,17 @@ def read_joint(path: Path) -> Joint:
     Raises:
         InputError: in one line the file, the key (or line), what is wrong, what would be right.
     """
-    return parse_joint(toml.read(path, _KIND), str(path), path.parent)
+    return read_joint_and_bytes(path)[0]
+
+
+def read_joint_and_bytes(path: Path) -> tuple[Joint, bytes]:
+    """Read and check a joint file, and return its bytes too: a pipe can be read but once.
+
+    Raises:
+        InputError: as `read_joint`.
+    """
+    data = toml.read_bytes(path, _KIND)
+    return parse_joint(toml.decoded(data, str(path)), str(path), path.parent), data
 
 
 def parse_joint(text: str, source: str, folder: Path = Path()) -> Joint:

@@ -29,6 +29,15 @@ def read(path: Path, kind: Kind) -> str:
     Raises:
         InputError: in one line the file, what is wrong, what would be right.
     """
+    return decoded(read_bytes(path, kind), str(path))
+
+
+def read_bytes(path: Path, kind: Kind) -> bytes:
+    """Return the bytes of a file, which may be a pipe: it is read once.
+
+    Raises:
+        InputError: as `read`.
+    """
     try:
         with path.open("rb") as file:
             data = file.read(_LARGEST_FILE + 1)
@@ -40,7 +49,7 @@ def read(path: Path, kind: Kind) -> str:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if len(data) > _LARGEST_FILE:
         raise InputError(f"{path}: more than {_LARGEST_FILE} bytes are no {kind.name}; {kind.hint}")
-    return _decoded(data, str(path))
+    return data
 
 
 def parse(text: str, source: str, kind: Kind) -> dict[str, Any]:
@@ -65,7 +74,12 @@ def parse(text: str, source: str, kind: Kind) -> dict[str, Any]:
     return document
 
 
-def _decoded(data: bytes, source: str) -> str:
+def decoded(data: bytes, source: str) -> str:
+    """Return the text that the bytes of a file are.
+
+    Raises:
+        InputError: as `read`, with the line.
+    """
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -1,6 +1,7 @@
 """Compilers: that of the host, what every one of them is asked to check, how one is run."""
 
 import os
+import shlex
 import shutil
 import subprocess
 from collections.abc import Sequence
@@ -24,27 +25,42 @@ LEVEL = "-O2"
 def compiler() -> list[str]:
     """Command of the host's C compiler: $CC, or the first of cc, gcc and clang.
 
+    $CC is read as a shell does: a program, then flags, each in quotes where it has spaces. A whole
+    value that is a program is taken as one, spaces or not.
+
     Raises:
         ToolError: there is none.
     """
-    chosen = os.environ.get("CC", "").split()
+    chosen = _chosen(os.environ.get("CC", ""))
     for command in [chosen] if chosen else [["cc"], ["gcc"], ["clang"]]:
         if shutil.which(command[0]):
             return command
-    looked_for = f"$CC = {' '.join(chosen)}" if chosen else "$CC, cc, gcc and clang"
+    looked_for = f"$CC = {shlex.join(chosen)}" if chosen else "$CC, cc, gcc and clang"
     raise ToolError(
         f"no C compiler found (looked for {looked_for}); install one, "
         f"for example with `apt-get install gcc` or `brew install gcc`, or set CC"
     )
 
 
+def _chosen(value: str) -> list[str]:
+    """Words of $CC."""
+    if shutil.which(value.strip()):
+        return [value.strip()]
+    try:
+        return shlex.split(value)
+    except ValueError as error:
+        raise ToolError(f"$CC = {value}: {str(error).lower()}; close the quotation") from None
+
+
 def sources(directory: Path) -> list[Path]:
-    """C files of the joint and the runtime in an exported folder.
+    """C files of the joint and the runtime in an exported folder, as absolute paths.
+
+    A compiler takes relative ones that begin with - or @ for something else.
 
     Raises:
         InputError: there are none.
     """
-    found = sorted((directory / "src").rglob("*.c"))
+    found = sorted((directory.absolute() / "src").rglob("*.c"))
     if not found:
         raise InputError(f"{directory}: holds no src/*.c; name a folder that `ccgen export` wrote")
     return found
@@ -52,6 +68,8 @@ def sources(directory: Path) -> list[Path]:
 
 def run_compiler(command: Sequence[str], folder: Path, failure: str) -> None:
     """Run a compiler that leaves its own temporary files in `folder`, where they end with it.
+
+    It speaks English whatever the language of the machine, so that its reason is found.
 
     Args:
         command: the compiler and its arguments.
@@ -61,8 +79,13 @@ def run_compiler(command: Sequence[str], folder: Path, failure: str) -> None:
     Raises:
         ToolError: it ended with an error.
     """
-    place = {**os.environ, "TMPDIR": str(folder)}
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=place)
+    place = {**os.environ, "TMPDIR": str(folder), "LC_ALL": "C"}
+    try:
+        done = subprocess.run(
+            command, capture_output=True, encoding="utf-8", errors="replace", check=False, env=place
+        )
+    except OSError as error:
+        raise ToolError(f"{command[0]}: {(error.strerror or str(error)).lower()}") from error
     if done.returncode != 0:
         raise ToolError(f"{failure}: {_first_error(done.stderr)}")
 

@@ -1,5 +1,6 @@
 """Runs firmware in an emulator whose UART is the emulator's standard input and output."""
 
+import errno
 import os
 import select
 import shutil
@@ -8,10 +9,12 @@ import tempfile
 import tty
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
 from typing import IO
 
 import can
 
+from ccgen.can.transports import not_run
 from ccgen.can.transports.slcan import BlockSlcanBus
 from ccgen.errors import ToolError
 
@@ -111,9 +114,11 @@ def _start(
     # An emulator outlives a parent that was killed, and would idle for ever.
     guard = ["setpriv", "--pdeathsig", "KILL"] if shutil.which("setpriv") else []
     try:
+        if os.sep in command[0] and not os.access(command[0], os.X_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
         return subprocess.Popen([*guard, *command], stdin=stdin, stdout=stdout, stderr=errors)
     except OSError as error:
-        raise ToolError(f"{command[0]}: {error.strerror}") from error
+        raise ToolError(f"{command[0]}: {not_run(Path(command[0]), error)}") from error
 
 
 def _hung_up(terminal: int) -> bool:

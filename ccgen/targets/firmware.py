@@ -24,14 +24,15 @@ def compile_firmware(
     Raises:
         ToolError: the compiler or the linker does not accept the folder.
     """
-    ports = directory / "ports"
+    root = directory.absolute()
+    ports = root / "ports"
     files = [
-        *sources(directory),
-        *(sorted((directory / "selftest").glob("*_selftest.c")) if program == "batch" else ()),
+        *sources(root),
+        *(sorted((root / "selftest").glob("*_selftest.c")) if program == "batch" else ()),
         ports / "bare_metal" / f"{program}.c",
         *(ports / file for file in core.board),
     ]
-    folders = (directory / "src", directory / "selftest", ports, ports / "bare_metal")
+    folders = (root / "src", root / "selftest", ports, ports / "bare_metal")
     target = out / f"{program}.elf"
     command = [
         *core.compile, *FLAGS, *options, *(f"-I{folder}" for folder in folders),

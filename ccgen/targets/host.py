@@ -10,19 +10,21 @@ FLAGS = ("-std=c99", "-ffp-contract=off", *WARNINGS)
 
 def compile_shared(directory: Path, out: Path, level: str = LEVEL) -> Path:
     """Compile the joint and ports/shared into a shared library in the folder `out`."""
-    selftest = sorted((directory / "selftest").glob("*_selftest.c"))
-    files = [*sources(directory), *selftest, directory / "ports" / "shared" / "shared.c"]
+    root = directory.absolute()
+    selftest = sorted((root / "selftest").glob("*_selftest.c"))
+    files = [*sources(root), *selftest, root / "ports" / "shared" / "shared.c"]
     return _compile(directory, files, out / "libjoint.so", [level, "-shared", "-fPIC"])
 
 
 def compile_process(directory: Path, out: Path, level: str = LEVEL) -> Path:
     """Compile the joint and ports/posix into a program in the folder `out`."""
-    files = [*sources(directory), directory / "ports" / "posix" / "main.c"]
+    files = [*sources(directory), directory.absolute() / "ports" / "posix" / "main.c"]
     return _compile(directory, files, out / "node", [level])
 
 
 def _compile(directory: Path, files: Sequence[Path], target: Path, flags: list[str]) -> Path:
-    include = [f"-I{directory / 'src'}", f"-I{directory / 'ports'}", f"-I{directory / 'selftest'}"]
+    root = directory.absolute()
+    include = [f"-I{root / folder}" for folder in ("src", "ports", "selftest")]
     command = [*compiler(), *FLAGS, *flags, *include, *map(str, files), "-o", str(target)]
     run_compiler(command, target.parent, f"{directory}: {command[0]} does not compile the folder")
     return target

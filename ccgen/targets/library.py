@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ccgen.can.transports import not_run
 from ccgen.errors import ToolError
 from ccgen.fixedpoint import FixedPointModel
 
@@ -28,7 +29,7 @@ class JointLibrary:
         try:
             self._library = ctypes.CDLL(str(path))
         except OSError as error:
-            raise ToolError(f"{path}: cannot be loaded: {error}") from error
+            raise ToolError(f"{path}: cannot be loaded: {not_run(path, error)}") from error
         self._integer = np.dtype(f"int{model.precision}")
         self._columns = 2 * model.segments
         shape = (ctypes.c_int32 * 4)()

@@ -1,5 +1,20 @@
 """Ways to a node: this process, another one, an emulator's UART, a bus."""
 
+import os
+from pathlib import Path
+
 WINDOW_MS = 10_000
 """Time that a snapshot's frames may take where no bus keeps the time: a busy machine may hold up
 sender or node between two frames for longer than a cycle."""
+
+
+def not_run(program: Path, error: OSError) -> str:
+    """Why a program or a library that was compiled cannot be run, and what to do about it."""
+    reason = error.strerror.lower() if error.strerror else str(error)
+    try:
+        forbidden = os.statvfs(program.parent).f_flag & os.ST_NOEXEC
+    except (OSError, AttributeError):  # Windows has no such flag
+        forbidden = 0
+    if not forbidden:
+        return reason
+    return f"{reason}: no program may run there; set TMPDIR to a folder where programs may"

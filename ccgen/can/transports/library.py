@@ -18,7 +18,7 @@ import can
 from can.interfaces.virtual import VirtualBus
 
 from ccgen.can.layout import FrameLayout
-from ccgen.can.transports import WINDOW_MS
+from ccgen.can.transports import WINDOW_MS, not_run
 from ccgen.errors import ToolError
 
 _SILENCE = 0.02
@@ -62,7 +62,9 @@ class _Node:
             result = self._functions.ccgen_shared_node_init(self._state)
             set_window = self._functions.ccgen_shared_node_set_window
             set_window.argtypes = (ctypes.c_char_p, ctypes.c_uint32)
-        except (OSError, AttributeError) as error:
+        except OSError as error:
+            raise ToolError(f"{library}: cannot be loaded: {not_run(library, error)}") from error
+        except AttributeError as error:
             raise ToolError(f"{library}: is no node's library: {error}") from error
         if result != 0:
             raise ToolError(f"{library}: the node does not start: error {result}")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import can
 
-from ccgen.can.transports import WINDOW_MS
+from ccgen.can.transports import WINDOW_MS, not_run
 from ccgen.can.transports.slcan import BlockSlcanBus
 from ccgen.errors import ToolError
 
@@ -56,7 +56,10 @@ def _start(program: Path, errors: int) -> tuple[subprocess.Popen[bytes], can.Bus
         except BaseException:
             _reap(process)
             raise
-    except (OSError, can.CanError) as error:
+    except OSError as error:
+        reason = not_run(program, error)
+        raise ToolError(f"{program}: does not start as a node: {reason}") from error
+    except can.CanError as error:
         raise ToolError(f"{program}: does not start as a node: {error}") from error
     finally:
         os.close(controlling)
