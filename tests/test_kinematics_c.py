@@ -22,7 +22,7 @@ from ccgen.export.kinematics_c import (
     degrees,
     kinematics_context,
 )
-from ccgen.kinematics.bounds import error_bounds, largest_angle, pose_bound
+from ccgen.kinematics.bounds import error_bounds, largest_angle
 
 WARNINGS = (
     "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Wfloat-conversion",
@@ -348,11 +348,11 @@ def test_columns_agree_with_casadis_own_differentiation(angle: float) -> None:
 
 
 def test_bound_grows_with_segments_length_and_angle() -> None:
-    reference = pose_bound(12, 0.24, 0.125)
+    reference = error_bounds(12, 0.24, 0.125).position
     assert 1e-7 < reference < 1e-6
-    assert pose_bound(24, 0.24, 0.125) > reference
-    assert pose_bound(12, 0.48, 0.125) == pytest.approx(2 * reference)
-    assert pose_bound(12, 0.24, 0.5) > reference
+    assert error_bounds(24, 0.24, 0.125).position > reference
+    assert error_bounds(12, 0.48, 0.125).position == pytest.approx(2 * reference)
+    assert error_bounds(12, 0.24, 0.5).position > reference
 
 
 def test_too_coarse_an_angle_format_is_refused() -> None:

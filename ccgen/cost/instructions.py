@@ -59,18 +59,6 @@ def count(exported: Exported, program: Program) -> tuple[Times, int]:
     return Times(estimate, tip_pose, frame, snapshot, "instructions"), machine.stack_bytes
 
 
-def count_estimates(exported: Exported, program: Program) -> int:
-    """Count the most instructions of an estimate of both axes over the snapshots of the harness.
-
-    Raises:
-        CheckError: a call failed.
-    """
-    machine = _Machine(exported, program)
-    machine.call("init", "cost_joint")
-    rows = len(snapshots(exported))
-    return max(_estimate(program, machine, k, rows) for k in range(rows))
-
-
 def _estimate(program: Program, machine: _Machine, k: int, rows: int) -> int:
     counts = program.address("cost_counts") + k * (program.size("cost_counts") // rows)
     return machine.call("estimate", "cost_joint", counts, "cost_angles")[0]

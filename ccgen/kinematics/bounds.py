@@ -44,19 +44,14 @@ def largest_angle(precision: int, fraction_bits: Mapping[str, int]) -> float:
     return 2.0 ** (precision - 1 - min(fraction_bits.values()))
 
 
-def pose_bound(segments: int, length: float, angle: float) -> float:
-    """Bound on the position error of the generated poses, metres.
+def error_bounds(segments: int, length: float, angle: float) -> ErrorBounds:
+    """Bounds on the errors of the generated poses and Jacobian.
 
     Args:
         segments: number of segments.
         length: length of the whole joint's neutral axis, metres.
         angle: largest magnitude that the angle format holds, radians.
     """
-    return error_bounds(segments, length, angle).position
-
-
-def error_bounds(segments: int, length: float, angle: float) -> ErrorBounds:
-    """Bounds on the errors of the generated poses and Jacobian; arguments as for `pose_bound`."""
     local = _Local.of(angle)
     h = length / segments
 

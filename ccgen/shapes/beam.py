@@ -78,37 +78,7 @@ def bend(case: LoadCase, segments: int, first_segment: ArrayLike) -> Equilibria:
             f" out of reach; the first of {segments} segments reaches {np.degrees(reach):.6g}"
             f" degrees (dimensionless loads up to {case.limit:g})"
         )
-    return _first_crossings(branch, row, targets)
-
-
-def under_load(case: LoadCase, loads: ArrayLike) -> Equilibria:
-    """Raise the load to each of the loads, shape (n,); states of shape (n, SIZE).
-
-    Raises:
-        ReachError: a load beyond the case's limit or beyond a turn of the branch.
-    """
-    targets = np.asarray(loads, dtype=np.float64)
-    branch = follow(case)
-    reach = float(branch.load.max())
-    if np.any(targets > reach):
-        raise ReachError(
-            f"load case {case.name}: the branch reaches a load of {reach:.6g},"
-            f" not {targets.max():.6g}"
-        )
-    return _first_crossings(branch, load_row(), targets)
-
-
-def equilibrium(force: float, uniform: float = 0.0, moment: float = 0.0) -> Equilibria:
-    """Raise an end force, a uniform load and a tip moment together from zero; one state (SIZE,).
-
-    Raises:
-        ReachError: the branch turns back before it reaches these loads.
-    """
-    size = max(abs(force), abs(uniform), abs(moment))
-    if size == 0:
-        return Equilibria(END_FORCE, np.zeros(SIZE))
-    case = LoadCase("given loads", force / size, uniform / size, moment / size, limit=size)
-    return Equilibria(case, under_load(case, [size]).states[0])
+    return first_crossings(branch, row, targets)
 
 
 @lru_cache(maxsize=32)
@@ -162,7 +132,7 @@ def _branch_by_first_segment(case: LoadCase, segments: int) -> tuple[Branch, Flo
     return _with_peaks(branch, row)[0], row
 
 
-def _first_crossings(branch: Branch, row: FloatArray, targets: FloatArray) -> Equilibria:
+def first_crossings(branch: Branch, row: FloatArray, targets: FloatArray) -> Equilibria:
     """The first states with row . state = target; targets are within what is reached."""
     values = branch.states @ row
     after = np.maximum(np.searchsorted(np.maximum.accumulate(values), targets), 1)

@@ -84,27 +84,6 @@ class Equilibria:
         """Moment at the tip, shape (...)."""
         return self.states[..., NODES + 1]
 
-    @property
-    def base_curvature(self) -> FloatArray:
-        """Curvature theta'(0), shape (...)."""
-        per_load = (np.cos(self.states[..., :NODES]) * self.case.density()) @ QUADRATURE
-        return np.asarray(self.moment + self.load * per_load)
-
-    @property
-    def tip_angle(self) -> FloatArray:
-        """Angle theta(1), shape (...), radians."""
-        return self.angles([1.0])[..., 0]
-
-    @property
-    def tip_deflection(self) -> FloatArray:
-        """Distance w/L of the tip from the unbent axis, shape (...)."""
-        return np.asarray(np.sin(self.states[..., :NODES]) @ QUADRATURE)
-
-    @property
-    def tip_shortening(self) -> FloatArray:
-        """How much nearer the tip is to the base along the unbent axis, u/L, shape (...)."""
-        return np.asarray((1 - np.cos(self.states[..., :NODES])) @ QUADRATURE)
-
     def angles(self, positions: ArrayLike) -> FloatArray:
         """Angle theta at positions s in [0, 1], shape (..., n_positions), radians."""
         return self.states @ angle_rows(np.asarray(positions, dtype=np.float64)).T

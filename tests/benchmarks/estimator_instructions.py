@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ccgen.cost.emulator import CORES, Program
-from ccgen.cost.instructions import count_estimates
+from ccgen.cost.instructions import count
 from ccgen.cost.program import compile_measured
 from ccgen.cost.stack import read_disassembly, read_frames, worst_case
 from ccgen.export.package import export
@@ -88,8 +88,8 @@ def instructions(folder: Exported, core: str) -> float:
     """Of one estimate, divided by segments and axes."""
     with tempfile.TemporaryDirectory() as place:
         program = compile_measured(folder, core_named(core), Path(place)).program
-        counted = count_estimates(folder, Program(program, CORES[core]))
-    return counted / (2 * folder.joint.geometry.segments)
+        times, _ = count(folder, Program(program, CORES[core]))
+    return times.estimate / (2 * folder.joint.geometry.segments)
 
 
 def footprint(folder: Exported, core: str) -> Footprint:
