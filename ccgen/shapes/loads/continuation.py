@@ -90,14 +90,17 @@ def raise_loads(
         newton: its step, in space or in a plane.
     """
     walk = _Walk(limit, start)
+    walking = np.arange(start.shape[-1])
     for _ in range(_MOST_EVALUATIONS):
-        walking = np.flatnonzero(walk.outcome == _ON_THE_WAY)
+        still = walk.outcome[walking] == _ON_THE_WAY
+        if not still.all():
+            kept, walking = np.flatnonzero(still), walking[still]
+            rods, held, raised = rods.of(kept), held.of(kept), raised.of(kept)
         if not walking.size:
             break
         trial, factor = walk.angles[..., walking], walk.factor[walking]
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            step = newton(trial, rods.of(walking), held.of(walking), raised.of(walking), factor)
-            walk.judge(walking, step)
+            walk.judge(walking, newton(trial, rods, held, raised, factor))
     return walk.end()
 
 

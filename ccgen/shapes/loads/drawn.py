@@ -21,8 +21,8 @@ from ccgen.shapes.loads.continuation import (
 from ccgen.shapes.loads.draws import Draws, draw_loads
 from ccgen.shapes.loads.equilibrium import Array, DeadLoads, Flags, Index
 
-ELEMENTS = 40
-"""At least so many elements: angles are right to 0.05 % of the largest."""
+ELEMENTS = 24
+"""At least so many: angles are right to 0.1 % of the largest, to 0.01 % where turns are small."""
 
 _ATTEMPTS = 4
 """At most so many draws for each shape that is asked for."""
