@@ -449,8 +449,14 @@ def test_values_that_make_no_sense_are_named_with_what_would(tmp_path, made, key
         (b"t,u0\n1,\xb5\n", "line 2: byte 0xb5 is not UTF-8; save the file as UTF-8 text"),
         (b"t,u0\n1,\x00\n", "line 2: a zero byte, this is no text; name a CSV file"),
         ("t,u0\n".encode("utf-16"), "is UTF-16; save it as UTF-8 text"),
-        (gzip.compress(b"t,u0\n" * 99)[:-9], "the gzip file is cut off; copy it again, whole"),
-        (gzip.compress(b"t,u0\n1,2\n")[:10] + b"abcdefghijklmnop", "the gzip file is damaged"),
+        (
+            gzip.compress(b"t,u0\n" * 99, mtime=0)[:-9],
+            "the gzip file is cut off; copy it again, whole",
+        ),
+        (
+            gzip.compress(b"t,u0\n1,2\n", mtime=0)[:10] + b"abcdefghijklmnop",
+            "the gzip file is damaged",
+        ),
     ],
 )
 def test_a_file_that_is_no_table_is_named_with_the_remedy(tmp_path, data, says):
@@ -469,7 +475,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path):
 def test_a_gzip_file_that_unpacks_without_end_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("ccgen.recordings.table.LARGEST_TEXT", 2**20)
     with pytest.raises(InputError, match="more than 1 MiB of text; cut it into several recordings"):
-        read(tmp_path, gzip.compress(b"t,u0\n" + b"0,0\n" * 2**20))
+        read(tmp_path, gzip.compress(b"t,u0\n" + b"0,0\n" * 2**20, mtime=0))
 
 
 @pytest.mark.parametrize(
