@@ -27,8 +27,10 @@ LAYOUTS = {
 
 
 def text_of(layout):
-    axis = SimpleNamespace(transducer=SimpleNamespace(metres_per_count=2e-6), fraction_bits=18)
-    joint = SimpleNamespace(axis=lambda _: axis, can=SimpleNamespace(bitrate=1_000_000))
+    axis = SimpleNamespace(fraction_bits=18)
+    joint = SimpleNamespace(
+        sensors=[SimpleNamespace(metres_per_count=2e-6)], can=SimpleNamespace(bitrate=1_000_000)
+    )
     return dbc_text(layout, joint, SimpleNamespace(u=axis, v=axis))
 
 

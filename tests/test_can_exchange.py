@@ -20,8 +20,10 @@ TIMEOUT = Pace().timeout
 
 
 def codec_for(layout):
-    axis = SimpleNamespace(transducer=SimpleNamespace(metres_per_count=2e-6), fraction_bits=18)
-    joint = SimpleNamespace(axis=lambda _: axis, can=SimpleNamespace(bitrate=1_000_000))
+    axis = SimpleNamespace(fraction_bits=18)
+    joint = SimpleNamespace(
+        sensors=[SimpleNamespace(metres_per_count=2e-6)], can=SimpleNamespace(bitrate=1_000_000)
+    )
     text = dbc_text(layout, joint, SimpleNamespace(u=axis, v=axis))
     return Codec(layout, cantools.database.load_string(text, "dbc"))
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from joint_files import joint_text
 
 from ccgen.cli.choices import Axis, Case
 from ccgen.cli.main import main
@@ -51,6 +52,82 @@ def test_json_holds_a_constant_curvature_in_closed_form(capsys):
     pose[1:3, 1:3] = [[math.cos(total), -math.sin(total)], [math.sin(total), math.cos(total)]]
     pose[1:3, 3] = [-radius * (1 - math.cos(total)), radius * math.sin(total)]
     np.testing.assert_allclose(result["tip_pose"], pose, atol=1e-15)
+
+
+SQUARE = """
+name = "square"
+[geometry]
+segments = 12
+length = 0.24
+range_of_motion = 3.0
+[sensors.transducer]
+metres_per_count = 2e-6
+bits = 14
+signed = false
+zero = 8000
+[[sensor]]
+name = "front"
+span = [0, 11]
+angle = 270.0
+radius = 0.05
+metres_per_count = -2e-5
+[[sensor]]
+name = "slanted"
+span_m = [0.0, 0.13]
+angle = 120.0
+radius = 0.03
+[[sensor]]
+name = "left"
+span = [0, 11]
+angle = 0.0
+radius = 0.03
+"""
+
+
+def test_sensors_that_are_listed_are_told_by_name_with_raw_counts(capsys, tmp_path):
+    path = tmp_path / "square.toml"
+    path.write_text(SQUARE)
+    assert ccgen(*bend("constant-curvature", 2.0, "--json", joint=str(path))) == 0
+    out, err = capsys.readouterr()
+    result, bending = json.loads(out), math.radians(2.0)
+    changes = {"front": -12 * 0.05 * bending, "slanted": 6.5 * 0.03 * math.sqrt(0.75) * bending}
+    assert result["sensor_lengths_m"] == pytest.approx(
+        {"front": 0.24 + changes["front"], "slanted": 0.13 + changes["slanted"], "left": 0.24},
+        rel=1e-14,
+    )
+    assert result["sensor_counts"] == {
+        "front": 8000 + round(changes["front"] / -2e-5),
+        "slanted": 8000 + round(changes["slanted"] / 2e-6),
+        "left": 8000,
+    }
+    assert err == ""
+    assert result["elongation"] == [0.0]
+
+
+def test_a_count_without_sign_that_falls_below_zero_is_said(capsys, tmp_path):
+    path = tmp_path / "square.toml"
+    path.write_text(SQUARE.replace("zero = 8000", "zero = 1000"))
+    assert ccgen(*bend("constant-curvature", 2.0, joint=str(path))) == 0
+    assert "transducer cannot give" not in capsys.readouterr().err
+    assert ccgen(*bend("constant-curvature", -2.0, joint=str(path))) == 0
+    assert "sensor slanted: its transducer cannot give a count of -1947" in capsys.readouterr().err
+
+
+def test_a_planar_arm_bends_in_its_own_axis_and_lists_no_other_sensors(capsys, tmp_path):
+    path = tmp_path / "planar.toml"
+    path.write_text(joint_text(tables='[estimator]\naxes = ["v"]'))
+    assert ccgen(*bend("constant-curvature", 2.0, "--json", joint=str(path))) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["segment_angles_deg"]["v"] == pytest.approx([2.0] * 12)
+    assert result["sensor_counts"]["u"] == []
+    assert len(result["sensor_counts"]["v"]) == 3
+
+
+def test_a_drawing_shows_the_sensors_wherever_they_are(tmp_path):
+    path, drawing = tmp_path / "square.toml", tmp_path / "square.svg"
+    path.write_text(SQUARE)
+    assert ccgen(*bend("uniform", 2.0, "--plot", str(drawing), joint=str(path))) == 0
+    assert drawing.stat().st_size > 1000
 
 
 def test_the_other_axis_may_bend_and_both_may_differ(capsys):

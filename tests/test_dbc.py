@@ -25,11 +25,8 @@ LAYOUTS = {
 
 
 def text_of(layout):
-    def axis(metres_per_count):
-        return SimpleNamespace(transducer=SimpleNamespace(metres_per_count=metres_per_count))
-
-    sets = {"u": axis(2e-6), "v": axis(3.1e-7)}
-    joint = SimpleNamespace(axis=sets.get, can=SimpleNamespace(bitrate=1_000_000))
+    sensors = (SimpleNamespace(metres_per_count=2e-6), SimpleNamespace(metres_per_count=3.1e-7))
+    joint = SimpleNamespace(sensors=sensors, can=SimpleNamespace(bitrate=1_000_000))
     model = SimpleNamespace(
         u=SimpleNamespace(fraction_bits=18), v=SimpleNamespace(fraction_bits=33)
     )

@@ -25,7 +25,8 @@ from ccgen.joint.file import parse_joint, read_joint
 from ccgen.joint.layouts import LAYOUTS
 from ccgen.joint.names import LONGEST_NAME, name_problem
 from ccgen.joint.places import has_own_table, sensor_key
-from ccgen.joint.tables import AxisTable, EstimatorTable, JointTable, ShapesTable
+from ccgen.joint.sensor_tables import AxisTable
+from ccgen.joint.tables import EstimatorTable, JointTable, ShapesTable
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
@@ -303,8 +304,8 @@ def test_more_sensors_than_segments_are_refused():
         ),
         (
             "bits = 1",
-            "sensors.transducer.bits: 1 is too small; write the width of a signed count, from 2 "
-            "to 16 bits (32 with precision = 32), such as bits = 16",
+            "sensors.transducer.bits: 1 is too small; write the width of a count, from 2 to 16 "
+            "bits (32 with precision = 32), such as bits = 16",
         ),
         (
             "range = [-32768, 100]",
@@ -319,7 +320,8 @@ def test_more_sensors_than_segments_are_refused():
         (
             "range = [5, 100]",
             "sensors.transducer.range: range [5, 100] leaves out 0, the count of the straight "
-            "joint; write a lowest count of 0 or less and a highest of 0 or more",
+            "joint; write a lowest count of 0 or less and a highest of 0 or more, or state the "
+            "zero",
         ),
         (
             "range = [100, -100]",
@@ -373,7 +375,8 @@ def test_missing_radius_and_count_length_are_named():
     )
     assert refusal("metres_per_count = 2.0e-6") == (
         "sensors.transducer.metres_per_count: missing; write metres_per_count = 2e-06 "
-        "(the length of one count in metres, from 1e-12 to 1)"
+        "(the length of one count in metres, from 1e-12 to 1, negative where the count falls as "
+        "the sensor lengthens)"
     )
 
 
@@ -500,14 +503,14 @@ def test_identifiers_may_reach_the_last_one(base_id):
         (
             "radius",
             "colour",
-            "sensors.colour: unknown key; the known ones are placement, spans, count, radius, "
-            "transducer, u, v",
+            "sensors.colour: unknown key; the known ones are placement, spans, spans_m, count, "
+            "radius, transducer, u, v",
         ),
         (
             "radius",
             '"a\\nb"',
-            'sensors."a\\nb": unknown key; the known ones are placement, spans, count, radius, '
-            "transducer, u, v",
+            'sensors."a\\nb": unknown key; the known ones are placement, spans, spans_m, count, '
+            "radius, transducer, u, v",
         ),
     ],
 )

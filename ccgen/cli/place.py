@@ -137,9 +137,10 @@ def _tables(joint: "Joint", axis: Axis | None) -> list[tuple[str, tuple[str, ...
     from ccgen.joint import AXES
     from ccgen.joint.places import has_own_table
 
-    if axis is None and not any(has_own_table(joint, one) for one in AXES):
-        return [("sensors", AXES)]
-    chosen = AXES if axis is None else (str(axis),)
+    bending = tuple(one for one in AXES if one in joint.axes)
+    if axis is None and not any(has_own_table(joint, one) for one in bending):
+        return [("sensors", bending)]
+    chosen = bending if axis is None else (str(axis),)
     return [(f"sensors.{one}", (one,)) for one in chosen]
 
 
@@ -150,8 +151,8 @@ def _problem(
     objective: Objective | None,
     constraints: "Constraints",
 ) -> "Problem":
-    from ccgen.joint.tables import MOST_SENSORS
-    from ccgen.placement import joint_problem
+    from ccgen.joint.sensor_tables import MOST_SENSORS_OF_AXIS as MOST_SENSORS
+    from ccgen.placement import check_placeable, joint_problem
 
     if sensors is not None and not 1 <= sensors <= MOST_SENSORS:
         raise InputError(
@@ -159,6 +160,7 @@ def _problem(
         )
     if objective is None:
         objective = Objective.NOISE if joint.method == "noise-aware" else Objective.PAPER
+    check_placeable(joint, axis)
     count = len(joint.axis(axis).spans) if sensors is None else sensors
     return joint_problem(joint, axis, count, constraints, objective is Objective.NOISE)
 

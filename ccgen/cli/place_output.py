@@ -104,10 +104,11 @@ def _describe(
     from ccgen.estimation import score_percent_rom, score_with_noise_percent_rom
 
     weights = problem.weights(placement.spans)
-    sensor = joint.axis(axis)
-    noise, expected = sensor.transducer.noise, None
-    if noise is not None:
-        sigma = [noise / sensor.radius / (b - a + 1) for a, b in placement.spans]
+    sensors, expected = joint.sensors[joint.own(axis)], None
+    noise, radius = sensors[0].noise, sensors[0].radius
+    alike = all((sensor.noise, sensor.radius) == (noise, radius) for sensor in sensors)
+    if noise is not None and alike:
+        sigma = [noise / radius / (b - a + 1) for a, b in placement.spans]
         expected = score_with_noise_percent_rom(weights, problem.score, sigma)
     return {
         "method": placement.method,

@@ -88,7 +88,7 @@ def _under_case(
     if case is None or degrees is None:
         missing = "--case" if case is None else "--first-segment"
         raise InputError(f"{missing}: missing; give --case with --first-segment, or --loads FILE")
-    bent = axis or Axis.U
+    bent = axis or (Axis.U if "u" in joint.axes else Axis.V)
     if not abs(degrees) <= _STEEPEST:
         raise InputError(
             f"--first-segment: {degrees:g} is no angle of a segment; "

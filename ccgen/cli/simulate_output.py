@@ -52,9 +52,10 @@ def print_tables(joint: "Joint", simulation: "Simulation") -> None:
 
 
 def _by_sensor(joint: "Joint", values: list[float]) -> dict[str, Any]:
-    """Values by axis where the joint has the paper's two sets of sensors, else by sensor."""
-    if joint.u is not None and joint.v is not None:
-        return {axis: values[joint.own(axis)] for axis in ("u", "v")}
+    """Values by axis where the joint has the paper's sets of sensors, else by sensor."""
+    sets = {"u": joint.u, "v": joint.v}
+    if any(sets.values()):
+        return {axis: values[joint.members(axis)] if sets[axis] else [] for axis in sets}
     return {sensor.name: value for sensor, value in zip(joint.sensors, values, strict=True)}
 
 

@@ -9,7 +9,7 @@ from ccgen.estimation.noise_aware import noise_aware
 from ccgen.estimation.simple import direct, equal
 from ccgen.estimation.wam import wam, wam_paper_call
 from ccgen.estimation.weights import Weights
-from ccgen.joint.layouts import Spans
+from ccgen.joint.layouts import AnySpans
 from ccgen.sensing.noise import reading_noise
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ FIT_METHODS = ("direct", "equal", "wam", "noise-aware", "wam-paper-call")
 
 
 def fit_weights(
-    method: str, library: "ShapeLibrary", spans: Spans, noise_rad: ArrayLike | None = None
+    method: str, library: "ShapeLibrary", spans: AnySpans, noise_rad: ArrayLike | None = None
 ) -> Weights:
     """Weights by the method of that name, one of `FIT_METHODS`.
 
@@ -55,7 +55,7 @@ def fit_weights(
 def fit_joint(
     joint: "Joint", method: str | None = None, library: "ShapeLibrary | None" = None
 ) -> dict[str, Weights]:
-    """Weights of both axes, under the keys "u" and "v".
+    """Weights of each output axis, under the keys "u" and "v".
 
     Args:
         joint: the joint.
@@ -71,7 +71,17 @@ def fit_joint(
 
         library = fit_library(joint)
     method = method or joint.method
-    return {axis: _fit_axis(joint, axis, method, library) for axis in ("u", "v")}
+    _check_sets(joint)
+    return {axis: _fit_axis(joint, axis, method, library) for axis in joint.axes}
+
+
+def _check_sets(joint: "Joint") -> None:
+    """Check that weights can be fitted axis by axis, each to sensors that read it alone."""
+    if joint.couples or (joint.u is None and joint.v is None):
+        raise InputError(
+            f"{joint.source}: sensor: weights can be fitted to the sets of [sensors] without "
+            "elongation only; write placement, count and radius there instead"
+        )
 
 
 def _fit_axis(joint: "Joint", axis: str, method: str, library: "ShapeLibrary") -> Weights:

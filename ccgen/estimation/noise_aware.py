@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from ccgen.double_double import DoubleDouble, concatenate, least_squares
 from ccgen.estimation.weights import Floats, Weights, without_intercept
-from ccgen.joint.layouts import Spans
+from ccgen.joint.layouts import AnySpans
 from ccgen.sensing.noise import checked_noise
 from ccgen.sensing.readings import exact_readings
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ccgen.shapes import ShapeLibrary
 
 
-def noise_aware(library: "ShapeLibrary", spans: Spans, noise_rad: ArrayLike) -> Weights:
+def noise_aware(library: "ShapeLibrary", spans: AnySpans, noise_rad: ArrayLike) -> Weights:
     """LMMSE weights for readings with independent noise, the same bits on every machine.
 
     Args:
@@ -48,7 +48,7 @@ def noise_aware(library: "ShapeLibrary", spans: Spans, noise_rad: ArrayLike) -> 
     return without_intercept("noise-aware", spans, _gain(*_roots(library, spans), noise))
 
 
-def posterior_covariance(library: "ShapeLibrary", spans: Spans, noise_rad: ArrayLike) -> Floats:
+def posterior_covariance(library: "ShapeLibrary", spans: AnySpans, noise_rad: ArrayLike) -> Floats:
     """Error covariance of the noise-aware estimate, C - G H C, shape (m, m), radians squared.
 
     Evaluated as (I - G H) C (I - G H)^T + G R G^T, which stays positive semidefinite.
@@ -65,7 +65,7 @@ def posterior_covariance(library: "ShapeLibrary", spans: Spans, noise_rad: Array
     return covariance
 
 
-def _roots(library: "ShapeLibrary", spans: Spans) -> tuple[Floats, DoubleDouble]:
+def _roots(library: "ShapeLibrary", spans: AnySpans) -> tuple[Floats, DoubleDouble]:
     """L^T, shape (N, m), with C = L L^T, and (H L)^T, shape (N, n)."""
     shapes = library.angles / np.sqrt(len(library.angles))
     return shapes, exact_readings(shapes, spans)

@@ -2,11 +2,11 @@
 
 from ccgen.errors import InputError
 from ccgen.estimation.weights import Floats, Weights, without_intercept
-from ccgen.joint.layouts import Spans
+from ccgen.joint.layouts import AnySpans
 from ccgen.sensing.readings import reading_matrix
 
 
-def direct(segments: int, spans: Spans) -> Weights:
+def direct(segments: int, spans: AnySpans) -> Weights:
     """Each segment takes the reading of the one sensor that covers it (section 2.5.2.1).
 
     The paper defines this for spans without overlap only. Overlapping spans are refused rather
@@ -26,7 +26,7 @@ def direct(segments: int, spans: Spans) -> Weights:
     return without_intercept("direct", spans, cover)
 
 
-def equal(segments: int, spans: Spans) -> Weights:
+def equal(segments: int, spans: AnySpans) -> Weights:
     """Each segment takes the mean reading of the sensors that cover it (section 2.5.2.2).
 
     Raises:
@@ -36,7 +36,7 @@ def equal(segments: int, spans: Spans) -> Weights:
     return without_intercept("equal", spans, cover / cover.sum(axis=1, keepdims=True))
 
 
-def _coverage(segments: int, spans: Spans) -> Floats:
+def _coverage(segments: int, spans: AnySpans) -> Floats:
     """One where sensor j covers segment i, else zero; shape (m, n)."""
     cover: Floats = (reading_matrix(segments, spans).T > 0).astype(float)
     bare = (cover.sum(axis=1) == 0).nonzero()[0]

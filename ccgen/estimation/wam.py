@@ -11,7 +11,7 @@ import numpy as np
 from ccgen.estimation.minimum import minimum
 from ccgen.estimation.soft_l1 import minimise, soft_l1
 from ccgen.estimation.weights import Floats, Weights, without_intercept
-from ccgen.joint.layouts import Spans
+from ccgen.joint.layouts import AnySpans
 from ccgen.sensing.readings import SpansLike, exact_readings, readings
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ PAPER_RADIUS = 0.004
 """Distance of the sensors from the neutral axis with which the paper's row is met, metres."""
 
 
-def wam(library: "ShapeLibrary", spans: Spans) -> Weights:
+def wam(library: "ShapeLibrary", spans: AnySpans) -> Weights:
     """Weights at the minimum of the soft-L1 objective of equation (7), for all segments at once.
 
     Where the shapes do not determine the weights (more sensors than independent readings), the
@@ -47,7 +47,7 @@ def wam_matrix(angles: Floats, spans: SpansLike) -> Floats:
     return minimise(np.moveaxis(readings(angles, spans), 0, -2), angles, F_SCALE)
 
 
-def wam_objective(matrix: Floats, angles: Floats, spans: Spans) -> Floats:
+def wam_objective(matrix: Floats, angles: Floats, spans: AnySpans) -> Floats:
     """Soft-L1 objective that `wam` minimises, per segment, shape (m,), radians squared.
 
     Args:
@@ -58,7 +58,9 @@ def wam_objective(matrix: Floats, angles: Floats, spans: Spans) -> Floats:
     return soft_l1((readings(angles, spans) @ matrix.T - angles).T, F_SCALE)
 
 
-def wam_paper_call(library: "ShapeLibrary", spans: Spans, radius: float = PAPER_RADIUS) -> Weights:
+def wam_paper_call(
+    library: "ShapeLibrary", spans: AnySpans, radius: float = PAPER_RADIUS
+) -> Weights:
     """WAM by the paper's own optimiser call, for comparison; it stops short of the minimum.
 
     One `least_squares(loss="soft_l1", f_scale=0.1)` a segment from all-ones weights, with the

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ccgen.joint.layouts import Spans
+from ccgen.joint.layouts import AnySpans
 
 Floats = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ class Weights:
     """
 
     method: str
-    spans: Spans
+    spans: AnySpans
     matrix: Floats
     intercept: Floats
 
@@ -60,6 +60,6 @@ class Weights:
         return np.asarray(readings, dtype=np.float64) @ self.matrix.T + self.intercept
 
 
-def without_intercept(method: str, spans: Spans, matrix: Floats) -> Weights:
+def without_intercept(method: str, spans: AnySpans, matrix: Floats) -> Weights:
     """Weights of a method for which the straight joint reads and estimates zero."""
     return Weights(method, spans, matrix, np.zeros(len(matrix)))

@@ -129,14 +129,14 @@ def _axis_context(
     joint: Joint, axis: AxisModel, weights: Weights, library: ShapeLibrary
 ) -> dict[str, Any]:
     noise = reading_noise(joint, axis.axis)
-    sensors = joint.axis(axis.axis)
+    sensors, first = joint.axis(axis.axis), joint.sensors[joint.own(axis.axis)][0]
     return {
         "axis": axis.axis,
         "tables": axis.axis,
         "sensors": axis.sensors,
         "spans": sensors.spans,
-        "radius_mm": f"{1000.0 * sensors.radius:.6g}",
-        "micrometres_per_count": f"{1e6 * sensors.transducer.metres_per_count:.6g}",
+        "radius_mm": f"{1000.0 * first.radius:.6g}",
+        "micrometres_per_count": f"{1e6 * first.metres_per_count:.6g}",
         "shift": axis.shift,
         "fraction_bits": axis.fraction_bits,
         "radians_per_step": float_literal(2.0**-axis.fraction_bits),

@@ -148,8 +148,8 @@ def _meanings(
     return {
         "crc": _Meaning(1, None, "CRC-16 CCITT-FALSE" if layout.fd else "CRC-8 SAE J1850"),
         "counter": _Meaning(1, None, f"0 to {layout.counter_modulus - 1}, then 0 again"),
-        "length_u": _length(joint.axis("u").transducer.metres_per_count, layout),
-        "length_v": _length(joint.axis("v").transducer.metres_per_count, layout),
+        "length_u": _length(joint.sensors[0].metres_per_count, layout),
+        "length_v": _length(joint.sensors[-1].metres_per_count, layout),
         "angle_u": _angle("x", model.u.fraction_bits, layout),
         "angle_v": _angle("y", model.v.fraction_bits, layout),
         "tip": _Meaning(2.0**-layout.tip_fraction_bits, "m", _with_no_reading("Tip position", 16)),

@@ -1,5 +1,6 @@
 """The exported folder: every file of it rendered in memory, then written whole or not at all."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from ccgen.export.dbc import dbc_text
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
 from ccgen.fixedpoint import FixedPointModel, model_json, quantise
-from ccgen.joint import AXES, Joint
+from ccgen.joint import AXES, Joint, Sensor
 from ccgen.joint.file import read_joint_and_bytes
 from ccgen.outputs import new_folder
 from ccgen.shapes import fit_library, score_library
@@ -81,6 +82,7 @@ def render(joint: Joint, source: bytes) -> tuple[FixedPointModel, FrameLayout, d
         joint: the specification.
         source: bytes of its joint.toml.
     """
+    _check_expressible(joint)
     library = fit_library(joint)
     weights = fit_joint(joint, library=library)
     model = quantise(joint, weights, library)
@@ -111,6 +113,43 @@ def render(joint: Joint, source: bytes) -> tuple[FixedPointModel, FrameLayout, d
     files |= {path: text.encode("utf-8") for path, text in texts.items()}
     files[FILE_NAME] = manifest_json(joint.name, source, files).encode("utf-8")
     return model, layout, files
+
+
+def _check_expressible(joint: Joint) -> None:
+    """Refuse what the C does not know yet: it has two bending axes, each with sensors of its own.
+
+    Raises:
+        InputError: names the key.
+    """
+    sets = (joint.u, joint.v)
+    counters = {key for sensor in joint.sensors for key in _uncounted(sensor)}
+    reasons = {
+        "sensor": joint.u is None and joint.v is None,
+        "geometry.elongation": joint.geometry.elongation is not None,
+        "estimator.axes": joint.axes != AXES,
+        "sensors.spans_m": any(s.start % 1 or s.end % 1 for s in joint.sensors),
+        "sensors.radius": any(one is not None and one.radius is None for one in sets),
+        "sensors.transducer": any(one is not None and one.transducer is None for one in sets),
+        **{f"sensors.transducer.{key}": True for key in sorted(counters)},
+    }
+    for key, applies in reasons.items():
+        if applies:
+            raise InputError(
+                f"{joint.source}: {key}: cannot be exported yet; export knows signed counts of two "
+                "sets of sensors, for bending without elongation"
+            )
+
+
+def _uncounted(sensor: Sensor) -> Iterator[str]:
+    """Keys of a transducer that the C does not know."""
+    if not sensor.signed:
+        yield "signed"
+    if sensor.zero is not None:
+        yield "zero"
+    if sensor.metres_per_count < 0:
+        yield "metres_per_count"
+    if sensor.gain_tolerance:
+        yield "gain_tolerance"
 
 
 def runtime_files() -> dict[str, bytes]:

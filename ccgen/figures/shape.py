@@ -1,12 +1,13 @@
 """One shape with its sensors."""
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ccgen.figures.style import POINTS_PER_SEGMENT, label_curve, new_figure, planar_curve, styled
 from ccgen.joint import Joint
-from ccgen.sensing.readings import readings
+from ccgen.sensing.readings import coverage, direction
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,10 +25,12 @@ def shape_figure(joint: Joint, simulation: "Simulation", axis: str = "u") -> "Fi
     curve.plot(deflection[::POINTS_PER_SEGMENT], height[::POINTS_PER_SEGMENT], "k.")
     label_curve(curve, f"{joint.name}, bent in {axis}")
     profile.stairs(np.degrees(angles), baseline=None, color="#000000", label="segment angle")
-    means = readings(angles, joint.axis(axis).spans)
-    for j, ((a, b), mean) in enumerate(zip(joint.axis(axis).spans, means, strict=True)):
-        label = "sensor: mean over its span" if j == 0 else None
-        profile.plot([a, b + 1], np.degrees([mean, mean]), color="#D55E00", label=label)
+    label: str | None = "sensor: mean over its span"
+    for sensor, covered in zip(joint.sensors, coverage(joint), strict=True):
+        if direction(sensor)[0 if axis == "u" else 1]:
+            mean = math.degrees(covered @ angles / sensor.segments)
+            profile.plot([sensor.start, sensor.end], [mean, mean], color="#D55E00", label=label)
+            label = None
     profile.set(title="Angles", xlabel="segment", ylabel="degrees")
     figure.legend(loc="outside lower center", ncols=2)
     return figure

@@ -1,18 +1,29 @@
 """From the bytes of a joint file to a `Joint`, through TOML and the checked tables."""
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from ccgen.errors import InputError
-from ccgen.joint import toml
+from ccgen.joint import listed, sensors, toml
+from ccgen.joint.axes import check_seen, output_axes, parts_of
+from ccgen.joint.geometry import geometry_of
 from ccgen.joint.load_files import load_ranges
 from ccgen.joint.messages import KeyProblemError, first_problem, toml_value
 from ccgen.joint.names import LONGEST_NAME, name_problem
+from ccgen.joint.places import own_place
 from ccgen.joint.recordings import recording_files
-from ccgen.joint.sensors import axis_sensors, own_keys, sensor_list
-from ccgen.joint.specification import AXES, AxisSensors, Can, Geometry, Joint, ShapeSettings
+from ccgen.joint.specification import (
+    AXES,
+    AxisSensors,
+    Can,
+    Geometry,
+    Joint,
+    Sensor,
+    ShapeSettings,
+)
 from ccgen.joint.tables import CanTable, JointTable, ShapesTable
 
 _KIND = toml.Kind("joint file", "`ccgen init NAME` writes one that works", "segments = 12")
@@ -59,30 +70,56 @@ def parse_joint(text: str, source: str, folder: Path = Path()) -> Joint:
 
 def _joint(table: JointTable, source: str, folder: Path) -> Joint:
     _check_name(table.name)
-    segments, precision = table.geometry.segments, table.fixed_point.precision
-    u, v = (axis_sensors(table.sensors, axis, segments, precision) for axis in AXES)
-    _check_method(table.estimator.method, {"u": u, "v": v})
-    _check_ids(table.can, _fewest_frames(table, len(u.spans) + len(v.spans)))
-    return Joint(
+    loads, geometry = load_ranges(table), geometry_of(table)
+    elongates = geometry.elongation is not None
+    axes = output_axes(table, elongates)
+    found = _sensors(table, axes, geometry)
+    joint = Joint(
         name=table.name,
-        geometry=Geometry(
-            segments=segments,
-            length=float(table.geometry.length),
-            range_of_motion=math.radians(table.geometry.range_of_motion),
-        ),
-        sensors=(*sensor_list("u", u), *sensor_list("v", v)),
-        axes=AXES,
-        parts=((0, len(u.spans)), (len(u.spans), len(u.spans) + len(v.spans))),
-        u=u,
-        v=v,
+        geometry=geometry,
+        sensors=found.sensors,
+        axes=axes,
+        parts=parts_of(found.sensors, axes, elongates),
+        u=found.sets.get("u"),
+        v=found.sets.get("v"),
         shapes=_shapes(table.shapes),
         method=table.estimator.method,
-        precision=precision,
+        precision=table.fixed_point.precision,
         can=Can(**table.can.model_dump()),
         source=source,
-        own_keys=frozenset(own_keys(table.sensors)),
+        own_keys=frozenset({*sensors.own_keys(table.sensors), *listed.own_keys(table)}),
         recordings=recording_files(table, folder),
-        loads=load_ranges(table),
+        loads=loads,
+    )
+    _check_method(joint)
+    _check_ids(table.can, _fewest_frames(table, joint))
+    return joint
+
+
+@dataclass(frozen=True)
+class _Sensors:
+    """All sensors of a joint, and the paper's sets that they are where the file has those."""
+
+    sensors: tuple[Sensor, ...]
+    sets: dict[str, AxisSensors]
+
+
+def _sensors(table: JointTable, axes: tuple[str, ...], geometry: Geometry) -> _Sensors:
+    if table.sensor:
+        listed_ones = listed.listed_sensors(table, geometry)
+        check_seen(listed_ones, axes, geometry)
+        return _Sensors(listed_ones, {})
+    for axis in AXES:
+        if axis in table.sensors.model_fields_set and axis not in axes:
+            raise KeyProblemError(
+                f'sensors.{axis}: stands there, but estimator.axes leaves "{axis}" out; '
+                "remove one of them"
+            )
+    bending = [axis for axis in AXES if axis in axes]
+    sets = sensors.sensor_sets(table.sensors, bending, geometry, table.fixed_point.precision)
+    return _Sensors(
+        tuple(sensor for axis in bending for sensor in sets[axis][1]),
+        {axis: alike for axis, (alike, _) in sets.items()},
     )
 
 
@@ -104,25 +141,29 @@ def _shapes(table: ShapesTable) -> ShapeSettings:
     return ShapeSettings(tuple(table.cases), table.fit_samples, table.score_samples)
 
 
-def _check_method(method: str, axes: dict[str, AxisSensors]) -> None:
-    unknown = [name for name, axis in axes.items() if axis.transducer.noise is None]
-    if method == "noise-aware" and unknown:
-        table = "sensors" if len(unknown) == len(axes) else f"sensors.{unknown[0]}"
+def _check_method(joint: Joint) -> None:
+    """Check that what the method weighs by is known of all sensors."""
+    silent = [j for j, sensor in enumerate(joint.sensors) if sensor.noise is None]
+    if joint.method == "noise-aware" and silent:
+        everywhere = len(silent) == len(joint.sensors)
+        place = "sensors.transducer.noise" if everywhere else own_place(joint, silent[0], "noise")
         raise KeyProblemError(
-            f'{table}.transducer.noise: missing, but method = "noise-aware" weighs by it; '
+            f'{place}: missing, but method = "noise-aware" weighs by it; '
             'write noise = 2e-05 (m, one standard deviation), or method = "wam"'
         )
 
 
-def _fewest_frames(table: JointTable, sensors: int) -> int:
+def _fewest_frames(table: JointTable, joint: Joint) -> int:
     """Return how many frames the joint needs at least: lengths, angles, tip and status.
 
     What counts of more than 24 bits need is known only with their range, in `ccgen.can.layout`.
     """
     payload = 61 if table.can.fd else 6
-    count_bytes, angle_bytes = (2, 2) if table.fixed_point.precision == 16 else (3, 4)
-    lengths = math.ceil(sensors / (payload // count_bytes))
-    angles = math.ceil(2 * table.geometry.segments / (payload // angle_bytes))
+    count_bytes, angle_bytes = (2, 2) if joint.precision == 16 else (3, 4)
+    rows = {"u": joint.geometry.segments, "v": joint.geometry.segments}
+    rows["h"] = len(joint.geometry.sections)
+    lengths = math.ceil(len(joint.sensors) / (payload // count_bytes))
+    angles = math.ceil(sum(rows[axis] for axis in joint.axes) / (payload // angle_bytes))
     return lengths + angles + 2
 
 

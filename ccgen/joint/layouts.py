@@ -6,6 +6,10 @@ A span (a, b) covers segments a to b, both included, counted from 0 at the base.
 Span = tuple[int, int]
 Spans = tuple[Span, ...]
 
+AnySpan = tuple[float, float]
+"""A span whose ends may be fractions: (0, 4.5) covers five and a half segments, 0 to 5."""
+AnySpans = tuple[AnySpan, ...]
+
 LAYOUTS = ("single", "end-to-end", "heuristic")
 
 

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from ccgen.joint.table import EACH, ONE
+
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
     from pydantic_core import ErrorDetails
@@ -43,9 +45,11 @@ def first_problem(error: ValidationError, root: type[BaseModel]) -> str:
 
 
 def dotted(location: _Location) -> str:
-    """Return a key as the user would say it: `sensors.spans[1]`."""
+    """Return a key as the user would say it: `sensors.spans[1]`; choices of types are no keys."""
     path = ""
     for part in location:
+        if part in (ONE, EACH):
+            continue
         path += f"[{part}]" if isinstance(part, int) else f".{_printable(part)}"
     return path.removeprefix(".")
 
@@ -56,8 +60,8 @@ def missing_key(key: str, field: "FieldInfo") -> str:
 
 
 def toml_value(value: object) -> str:
-    """Return a value as it may stand in the file, on one line; nothing for a table."""
-    if isinstance(value, dict):
+    """Return a value as it may stand in the file, on one line; nothing for tables with keys."""
+    if isinstance(value, dict) or (isinstance(value, list) and _hold_keys(value)):
         return ""
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
@@ -65,6 +69,10 @@ def toml_value(value: object) -> str:
         return value.isoformat()
     text = json.dumps(value, default=str)
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 4] + " ..."
+
+
+def _hold_keys(values: list[Any]) -> bool:
+    return any(isinstance(value, dict) and value for value in values)
 
 
 def _wrong_value(problem: "ErrorDetails", field: "FieldInfo") -> str:

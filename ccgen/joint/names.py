@@ -24,6 +24,17 @@ def name_problem(name: str) -> str | None:
     return _form_problem(name) or _owner_problem(name)
 
 
+def sensor_name_problem(name: str) -> str | None:
+    """Return why `name` cannot be a sensor's name, or None where it can.
+
+    Sensors appear behind the joint's name or behind a word, in C, in the DBC and in recordings.
+    """
+    problem = _form_problem(name)
+    if problem is None and name in reserved.KEYWORDS:
+        return "is a keyword of C or C++"
+    return problem
+
+
 def _form_problem(name: str) -> str | None:
     if not name:
         return "is empty"

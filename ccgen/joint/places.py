@@ -16,13 +16,18 @@ def sensor_key(joint: Joint, sensor: int, key: str) -> str:
         sensor: number in `joint.sensors`.
         key: such as "range".
     """
-    own = f"{_own_table(joint, sensor)}.{key}"
+    own = own_place(joint, sensor, key)
     return own if own in joint.own_keys else f"sensors.transducer.{key}"
+
+
+def own_place(joint: Joint, sensor: int, key: str) -> str:
+    """Full name that a key has or would have where it holds for that sensor, or its axis, alone."""
+    return f"{_own_table(joint, sensor)}.{key}"
 
 
 def _own_table(joint: Joint, sensor: int) -> str:
     """Where keys of that sensor's transducer stand that do not hold for all."""
-    if joint.u is None or joint.v is None:
+    if joint.u is None and joint.v is None:
         return f"sensor[{sensor}]"
-    axis = "u" if sensor < len(joint.u.spans) else "v"
+    axis = "u" if joint.u is not None and sensor < len(joint.u.spans) else "v"
     return f"sensors.{axis}.transducer"

@@ -1,16 +1,17 @@
-"""The sensors of one axis: what [sensors] says for both, with the axis' own keys in its place."""
+"""The paper's sets of sensors: what [sensors] says for both axes, with an axis' keys in place."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ccgen.joint.layouts import Span, Spans, spans_for
+from ccgen.joint.layouts import AnySpans, spans_for
 from ccgen.joint.messages import KeyProblemError, missing_key
-from ccgen.joint.specification import AxisSensors, Sensor, Transducer
-from ccgen.joint.tables import AxisTable, SensorsTable, TransducerTable
+from ccgen.joint.sensor_tables import AxisTable, SensorsTable
+from ccgen.joint.spans import metres_span, segments_said, segments_span, uncovered
+from ccgen.joint.specification import AxisSensors, Geometry, Sensor, Transducer
+from ccgen.joint.transducers import Stated, transducer
 
-_DEFAULT_BITS = 16
 _DEFAULT_COUNT = 3
 _DEFAULT_PLACEMENT = "heuristic"
 
@@ -30,33 +31,85 @@ class _Overlay:
         value = getattr(self.own, key)
         return getattr(self.common, key) if value is None else value
 
-    def transducer(self, key: str) -> Any:
-        value = getattr(self.own.transducer, key)
-        return getattr(self.common.transducer, key) if value is None else value
-
     def place(self, key: str) -> str:
         """Return the full name of the key that `get` answers from."""
         own = getattr(self.own, key) is not None
         return f"sensors.{self.axis}.{key}" if own else f"sensors.{key}"
 
-    def transducer_place(self, key: str) -> str:
-        own = getattr(self.own.transducer, key) is not None
-        return f"sensors.{self.axis}.transducer.{key}" if own else f"sensors.transducer.{key}"
+
+@dataclass(frozen=True)
+class _Set:
+    """The sensors of one axis: their spans, and where they stand among all `total`."""
+
+    overlay: _Overlay
+    placement: str
+    spans: AnySpans
+    first: int
+    total: int
+
+    def stated(self, key: str, j: int) -> Stated:
+        """What the file says of the transducer of sensor j of the set."""
+        own, common = self.overlay.own.transducer, self.overlay.common.transducer
+        if getattr(own, key) is not None:
+            place = f"sensors.{self.overlay.axis}.transducer.{key}"
+            return self._one(getattr(own, key), place, j)
+        return self._one(getattr(common, key), f"sensors.transducer.{key}", j, shared=True)
+
+    def radius(self, j: int) -> float:
+        """Distance of sensor j of the set from the neutral axis, metres."""
+        shared = self.overlay.own.radius is None
+        value = self._one(self.overlay.get("radius"), self.overlay.place("radius"), j, shared).value
+        if value is None:
+            raise KeyProblemError(missing_key("sensors.radius", AxisTable.model_fields["radius"]))
+        return float(value)
+
+    def _one(self, value: Any, place: str, j: int, shared: bool = False) -> Stated:
+        """Value of sensor j; a shared list has one for each sensor of an axis, or of both."""
+        if not is_each(value, place):
+            return Stated(value, place)
+        if shared and len(value) == self.total:
+            return Stated(value[self.first + j], f"{place}[{self.first + j}]")
+        if len(value) != len(self.spans):
+            raise KeyProblemError(self._miscounted(len(value), place, shared))
+        return Stated(value[j], f"{place}[{j}]")
+
+    def _miscounted(self, values: int, place: str, shared: bool) -> str:
+        axis, n = self.overlay.axis, len(self.spans)
+        both = f", or {self.total} for all sensors, u's first" if shared and self.total > n else ""
+        return (
+            f"{place}: {values} values, but axis {axis} has {n} "
+            f"sensor{'' if n == 1 else 's'}; write one value, or {n}{both}"
+        )
 
 
-def axis_sensors(table: SensorsTable, axis: str, segments: int, precision: int) -> AxisSensors:
-    """Return the sensors of `axis` ("u" or "v").
+def is_each(value: Any, place: str) -> bool:
+    """Tell whether a key's value is a list with one value for each sensor; a range is a pair."""
+    if place.endswith(".range"):
+        return isinstance(value, list) and isinstance(value[0], list)
+    return isinstance(value, list)
+
+
+def sensor_sets(
+    table: SensorsTable, axes: Sequence[str], geometry: Geometry, precision: int
+) -> dict[str, tuple[AxisSensors, tuple[Sensor, ...]]]:
+    """Return the set of each axis, and its sensors one by one, named u0, u1 ... or v0, v1 ...
+
+    Args:
+        table: [sensors].
+        axes: "u", "v" or both, in this order.
+        geometry: of the joint.
+        precision: bits of counts in the firmware, 16 or 32.
 
     Raises:
         KeyProblemError: "KEY: what is wrong; what would be right".
     """
-    overlay = _Overlay(table.u if axis == "u" else table.v, table, axis)
-    placement, spans = _placed(overlay, segments)
-    radius = overlay.get("radius")
-    if radius is None:
-        raise KeyProblemError(missing_key("sensors.radius", AxisTable.model_fields["radius"]))
-    transducer = _transducer(overlay, precision)
-    return AxisSensors(spans, radius, transducer, placement)
+    overlays = [_Overlay(table.u if axis == "u" else table.v, table, axis) for axis in axes]
+    placed = [_placed(overlay, geometry) for overlay in overlays]
+    total, first, sets = sum(len(spans) for _, spans in placed), 0, {}
+    for axis, overlay, (placement, spans) in zip(axes, overlays, placed, strict=True):
+        sets[axis] = _axis_set(_Set(overlay, placement, spans, first, total), precision)
+        first += len(spans)
+    return sets
 
 
 def own_keys(table: SensorsTable) -> Iterator[str]:
@@ -69,48 +122,94 @@ def own_keys(table: SensorsTable) -> Iterator[str]:
         yield from (f"sensors.{axis}.transducer.{key}" for key in keys)
 
 
-def sensor_list(axis: str, sensors: AxisSensors) -> tuple[Sensor, ...]:
-    """The sensors of the paper's set for `axis` one by one, named u0, u1 ... or v0, v1 ..."""
-    transducer = sensors.transducer
-    return tuple(
-        Sensor(
-            name=f"{axis}{j}",
-            start=float(first),
-            end=float(last + 1),
-            angle=math.radians(_ANGLES_DEG[axis]),
-            radius=sensors.radius,
-            metres_per_count=transducer.metres_per_count,
-            bits=transducer.bits,
-            noise=transducer.noise,
-            range=transducer.range,
-        )
-        for j, (first, last) in enumerate(sensors.spans)
+def _axis_set(found: _Set, precision: int) -> tuple[AxisSensors, tuple[Sensor, ...]]:
+    axis, count = found.overlay.axis, len(found.spans)
+    radii = [found.radius(j) for j in range(count)]
+
+    def made(j: int) -> Transducer:
+        return transducer(lambda key: found.stated(key, j), precision)
+
+    transducers = [made(j) for j in range(count)]
+    sensors = tuple(
+        sensor_of(f"{axis}{j}", found.spans[j], _ANGLES_DEG[axis], radii[j], transducers[j])
+        for j in range(count)
+    )
+    alike = AxisSensors(
+        spans=found.spans,
+        radius=radii[0] if len(set(radii)) == 1 else None,
+        transducer=transducers[0] if len(set(transducers)) == 1 else None,
+        placement=found.placement,
+    )
+    return alike, sensors
+
+
+def sensor_of(
+    name: str, span: tuple[float, float], degrees: float, radius: float, counts: Transducer
+) -> Sensor:
+    """Return one sensor with a span from its first to its last segment."""
+    return Sensor(
+        name=name,
+        start=float(span[0]),
+        end=float(span[1]) + 1.0,
+        angle=math.radians(degrees),
+        radius=radius,
+        metres_per_count=counts.metres_per_count,
+        bits=counts.bits,
+        signed=counts.signed,
+        noise=counts.noise,
+        zero=counts.zero,
+        range=counts.range,
+        gain_tolerance=counts.gain_tolerance,
     )
 
 
-def _placed(overlay: _Overlay, segments: int) -> tuple[str, Spans]:
+def _placed(overlay: _Overlay, geometry: Geometry) -> tuple[str, AnySpans]:
     """Return the name of the placement and its spans; the axis' own choice replaces both."""
     own, common = overlay.own, overlay.common
     for table, name in ((common, "sensors"), (own, f"sensors.{overlay.axis}")):
-        if table.placement is not None and table.spans is not None:
-            raise KeyProblemError(
-                f"{name}.spans: stands beside placement; remove one of them, spans alone say it all"
-            )
+        _check_one_choice(table, name)
     if own.placement is not None:
         # A count for both axes may belong to another placement, then the axis needs its own.
-        return _laid_out(overlay, own.placement, segments)
-    if own.spans is not None:
-        return "spans", _listed(own, f"sensors.{overlay.axis}", segments)
-    if common.spans is not None:
-        return "spans", _listed(common, "sensors", segments, overlay)
-    return _laid_out(overlay, common.placement, segments)
+        return _laid_out(overlay, own.placement, geometry.segments)
+    if _lists_spans(own):
+        return "spans", _listed(own, f"sensors.{overlay.axis}", geometry)
+    if _lists_spans(common):
+        return "spans", _listed(common, "sensors", geometry, overlay)
+    return _laid_out(overlay, common.placement, geometry.segments)
 
 
-def _listed(table: AxisTable, name: str, segments: int, overlay: _Overlay | None = None) -> Spans:
-    spans = table.spans or []
-    for j, (first, last) in enumerate(spans):
-        _check_span(f"{name}.spans[{j}]", first, last, segments)
-    count, place = table.count, f"{name}.count"
+def _lists_spans(table: AxisTable) -> bool:
+    return table.spans is not None or table.spans_m is not None
+
+
+def _check_one_choice(table: AxisTable, name: str) -> None:
+    """Check that a table says in one way where the sensors are."""
+    for key in ("spans", "spans_m"):
+        if table.placement is not None and getattr(table, key) is not None:
+            raise KeyProblemError(
+                f"{name}.{key}: stands beside placement; remove one of them, spans alone say it all"
+            )
+    if table.spans is not None and table.spans_m is not None:
+        raise KeyProblemError(
+            f"{name}.spans_m: stands beside spans; remove one of them, either says it all"
+        )
+
+
+def _listed(
+    table: AxisTable, name: str, geometry: Geometry, overlay: _Overlay | None = None
+) -> AnySpans:
+    key, count, place = "spans", table.count, f"{name}.count"
+    if table.spans is not None:
+        spans: AnySpans = tuple(
+            segments_span(f"{name}.spans[{j}]", span, geometry.segments)
+            for j, span in enumerate(table.spans)
+        )
+    else:
+        key = "spans_m"
+        spans = tuple(
+            metres_span(f"{name}.spans_m[{j}]", span, geometry)
+            for j, span in enumerate(table.spans_m or [])
+        )
     if overlay is not None:
         count, place = overlay.get("count"), overlay.place("count")
     if count is not None and count != len(spans):
@@ -118,27 +217,16 @@ def _listed(table: AxisTable, name: str, segments: int, overlay: _Overlay | None
             f"{place}: {count} contradicts the spans listed; remove it, "
             f"or write count = {len(spans)}"
         )
-    checked: Spans = tuple((first, last) for first, last in spans)
-    uncovered = [i for i in range(segments) if not any(a <= i <= b for a, b in checked)]
-    if uncovered:
+    bare = uncovered(spans, geometry.segments)
+    if bare:
         raise KeyProblemError(
-            f"{name}.spans: no span covers {_segments(uncovered)}; "
-            f"let the spans cover segments 0 to {segments - 1} without a gap"
+            f"{name}.{key}: no span covers {segments_said(bare)}; "
+            f"let the spans cover segments 0 to {geometry.segments - 1} without a gap"
         )
-    return checked
+    return spans
 
 
-def _check_span(key: str, first: int, last: int, segments: int) -> None:
-    if first > last:
-        raise KeyProblemError(f"{key}: span [{first}, {last}] is reversed; write [{last}, {first}]")
-    if first < 0 or last >= segments:
-        raise KeyProblemError(
-            f"{key}: span [{first}, {last}] lies outside the joint; "
-            f"write segments from 0 to {segments - 1}"
-        )
-
-
-def _laid_out(overlay: _Overlay, placement: str | None, segments: int) -> tuple[str, Spans]:
+def _laid_out(overlay: _Overlay, placement: str | None, segments: int) -> tuple[str, AnySpans]:
     count, place = overlay.get("count"), overlay.place("count")
     if placement == "single":
         inherited = overlay.own.placement is not None and overlay.own.count is None
@@ -156,76 +244,8 @@ def _laid_out(overlay: _Overlay, placement: str | None, segments: int) -> tuple[
         count = _DEFAULT_COUNT
     if count > segments:
         raise KeyProblemError(
-            f"{place}: {count} sensors do not fit {_counted(segments)}; "
-            f"write a count from 1 to {segments}"
+            f"{place}: {count} sensors do not fit {segments} segment{'' if segments == 1 else 's'};"
+            f" write a count from 1 to {segments}"
         )
     placement = placement or _DEFAULT_PLACEMENT
     return placement, spans_for(placement, segments, count)
-
-
-def _transducer(overlay: _Overlay, precision: int) -> Transducer:
-    bits = overlay.transducer("bits") or _DEFAULT_BITS
-    if bits > precision:
-        raise KeyProblemError(
-            f"{overlay.transducer_place('bits')}: {bits} bits do not fit precision = {precision}; "
-            f"write at most {precision}" + (", or precision = 32" if precision == 16 else "")
-        )
-    metres_per_count = overlay.transducer("metres_per_count")
-    if metres_per_count is None:
-        raise KeyProblemError(
-            missing_key(
-                "sensors.transducer.metres_per_count",
-                TransducerTable.model_fields["metres_per_count"],
-            )
-        )
-    limits: list[int] | None = overlay.transducer("range")
-    if limits is not None:
-        _check_range(overlay.transducer_place("range"), limits[0], limits[1], bits)
-    return Transducer(
-        bits=bits,
-        metres_per_count=metres_per_count,
-        noise=overlay.transducer("noise"),
-        range=None if limits is None else (limits[0], limits[1]),
-    )
-
-
-def _check_range(key: str, low: int, high: int, bits: int) -> None:
-    """Check a range of counts; the most negative count of `bits` means "no reading"."""
-    largest = 2 ** (bits - 1) - 1
-    said = f"{key}: range [{low}, {high}]"
-    if low > high:
-        raise KeyProblemError(f"{said} is reversed; write [{high}, {low}]")
-    if low == high:
-        raise KeyProblemError(
-            f"{said} holds one count only; write the lowest and the highest count"
-        )
-    if low < -largest or high > largest:
-        raise KeyProblemError(
-            f"{said} exceeds {bits} bits, whose lowest count means no reading; "
-            f"write counts from {-largest} to {largest}"
-        )
-    if not low <= 0 <= high:
-        raise KeyProblemError(
-            f"{said} leaves out 0, the count of the straight joint; "
-            "write a lowest count of 0 or less and a highest of 0 or more"
-        )
-
-
-def _segments(indices: list[int]) -> str:
-    runs = ", ".join(str(a) if a == b else f"{a} to {b}" for a, b in _runs(indices))
-    return f"segment{'' if len(indices) == 1 else 's'} {runs}"
-
-
-def _runs(indices: list[int]) -> Iterator[Span]:
-    """Yield the runs of consecutive numbers in an ascending list, as first and last."""
-    first = last = indices[0]
-    for index in indices[1:]:
-        if index != last + 1:
-            yield first, last
-            first = index
-        last = index
-    yield first, last
-
-
-def _counted(segments: int) -> str:
-    return f"{segments} segment{'' if segments == 1 else 's'}"

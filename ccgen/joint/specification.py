@@ -6,9 +6,10 @@ read: importing this module costs nothing.
 """
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
-from ccgen.joint.layouts import Spans
+from ccgen.joint.layouts import AnySpans
 from ccgen.joint.loads import LoadRanges
 
 AXES = ("u", "v")
@@ -45,6 +46,11 @@ class Geometry:
         return self.length / self.segments
 
 
+def count_limits(bits: int, signed: bool) -> tuple[int, int]:
+    """Lowest and highest count; the most negative one of a signed count means "no reading"."""
+    return (-(2 ** (bits - 1)) + 1, 2 ** (bits - 1) - 1) if signed else (0, 2**bits - 1)
+
+
 @dataclass(frozen=True)
 class Sensor:
     """One length sensor along the joint: where it runs, and what turns its length into counts."""
@@ -79,24 +85,32 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Transducer:
-    """What turns a change of length into signed counts."""
+    """What turns a change of length into counts."""
 
     bits: int
     metres_per_count: float
+    """Negative where the count falls as the sensor lengthens."""
     noise: float | None
     """One standard deviation of the length, metres; None when unknown."""
     range: tuple[int, int] | None
     """Lowest and highest count of a reading; None for what the shapes need and a quarter more."""
+    signed: bool = True
+    """Whether counts have a sign; if not, they run from 0."""
+    zero: int | None = None
+    """Count of the straight joint; None when unknown."""
+    gain_tolerance: float = 0.0
+    """One standard deviation of the gain, share of it."""
 
 
 @dataclass(frozen=True)
 class AxisSensors:
     """The paper's set of length sensors for one bending axis, all at one angle."""
 
-    spans: Spans
-    radius: float
-    """Distance of the tendons from the neutral axis, metres."""
-    transducer: Transducer
+    spans: AnySpans
+    radius: float | None
+    """Distance of the tendons from the neutral axis, metres; None where it differs among them."""
+    transducer: Transducer | None
+    """What all of them have; None where it differs among them."""
     placement: str
     """Name of the layout that gave the spans, or "spans" where the file lists them."""
 
@@ -190,6 +204,13 @@ class Joint:
     loads: LoadRanges | None = None
     """What the joint meets at work; None where the file does not say."""
 
+    @property
+    def couples(self) -> bool:
+        """Whether some sensor tells of more than one output axis, or some axis elongates."""
+        ends = sorted(self.parts)
+        overlap = any(b[0] < a[1] for a, b in pairwise(ends))
+        return overlap or self.geometry.elongation is not None
+
     def axis(self, name: str) -> AxisSensors:
         """Return the paper's set of sensors for axis "u" or "v".
 
@@ -203,6 +224,15 @@ class Joint:
         if found is None:
             raise ValueError(f"joint {self.name} has no set of sensors for axis {name} alone")
         return found
+
+    def members(self, axis: str) -> slice:
+        """Return the part of `sensors` that is the paper's set for axis "u" or "v".
+
+        Raises:
+            ValueError: as `axis`.
+        """
+        first = len(self.u.spans) if axis == "v" and self.u is not None else 0
+        return slice(first, first + len(self.axis(axis).spans))
 
     def own(self, axis: str) -> slice:
         """Return the part of `sensors` that an output axis reads.

@@ -2,8 +2,7 @@
 
 A field's `description` completes "write ..." in messages and its first example is what such a
 message shows, so both stand beside the bounds they explain. What concerns several keys at once is
-checked in `ccgen.joint.sensors`, `ccgen.joint.recordings`, `ccgen.joint.load_files` and
-`ccgen.joint.file`.
+checked in `ccgen.joint.file` and in the modules that it calls, such as `ccgen.joint.geometry`.
 """
 
 from typing import Annotated, Literal
@@ -11,16 +10,16 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 
 from ccgen.joint.load_tables import LoadsTable
+from ccgen.joint.sensor_tables import MOST_SENSORS, SensorsTable, SensorTable
 from ccgen.joint.table import Metres, Table
 
 MOST_SEGMENTS = 64
-MOST_SENSORS = 8
-"""Sensors of one axis: the STATUS frame's mask has 16 bits for both."""
-
 MOST_RECORDINGS = 100
 
 
 Samples = Annotated[int, Field(ge=1, le=1000)]
+Share = Annotated[float, Field(ge=-0.5, le=2.0)]
+"""Elongation, share of the length."""
 
 
 class GeometryTable(Table):
@@ -35,89 +34,29 @@ class GeometryTable(Table):
     length: Metres = Field(
         description="the joint's length in metres, from 1e-6 to 1000", examples=[0.24]
     )
-    range_of_motion: float = Field(
-        gt=0.0,
-        le=90.0,
+    range_of_motion: Annotated[float, Field(gt=0.0, le=90.0)] | None = Field(
+        default=None,
         description="degrees per segment and axis, greater than 0 and at most 90",
         examples=[3.0],
     )
-
-
-class TransducerTable(Table):
-    """[sensors.transducer]; every key may instead stand in the table of one axis."""
-
-    bits: int | None = Field(
+    total_range_of_motion: Annotated[float, Field(gt=0.0, le=90.0 * MOST_SEGMENTS)] | None = Field(
         default=None,
-        ge=2,
-        le=32,
-        description="the width of a signed count, from 2 to 16 bits (32 with precision = 32)",
-        examples=[16],
+        description="degrees of the whole joint and axis, greater than 0",
+        examples=[36.0],
     )
-    metres_per_count: float | None = Field(
+    sections: list[Annotated[int, Field(ge=1)]] | None = Field(
         default=None,
-        ge=1e-12,
-        le=1.0,
-        description="the length of one count in metres, from 1e-12 to 1",
-        examples=[2.0e-6],
+        min_length=1,
+        max_length=MOST_SEGMENTS,
+        description="the segments of each part that elongates by itself",
+        examples=[[6, 6]],
     )
-    noise: float | None = Field(
-        default=None,
-        ge=0.0,
-        le=1e3,
-        description="one standard deviation of the length in metres, 0 or more",
-        examples=[2.0e-5],
-    )
-    range: list[int] | None = Field(
+    elongation: list[Share] | None = Field(
         default=None,
         min_length=2,
         max_length=2,
-        description="the lowest and the highest count",
-        examples=[[-20000, 20000]],
-    )
-
-
-class AxisTable(Table):
-    """[sensors.u] or [sensors.v]: the keys that differ on that axis."""
-
-    placement: Literal["single", "end-to-end", "heuristic"] | None = Field(
-        default=None,
-        description='"single", "end-to-end" or "heuristic", or list the spans instead',
-        examples=["heuristic"],
-    )
-    spans: list[Annotated[list[int], Field(min_length=2, max_length=2)]] | None = Field(
-        default=None,
-        min_length=1,
-        max_length=MOST_SENSORS,
-        description=f"1 to {MOST_SENSORS} spans [first, last] of segments counted from 0",
-        examples=[[[0, 4], [3, 8], [7, 11]]],
-    )
-    count: int | None = Field(
-        default=None,
-        ge=1,
-        le=MOST_SENSORS,
-        description=f"the number of sensors of an axis, from 1 to {MOST_SENSORS}",
-        examples=[3],
-    )
-    radius: Metres | None = Field(
-        default=None,
-        description="the tendons' distance from the neutral axis in metres, from 1e-6 to 1000",
-        examples=[0.05],
-    )
-    transducer: TransducerTable = Field(
-        default=TransducerTable(),
-        description="a table of its own",
-        examples=["[sensors.transducer]"],
-    )
-
-
-class SensorsTable(AxisTable):
-    """[sensors]: for both axes, with what differs on one of them in `u` and `v`."""
-
-    u: AxisTable = Field(
-        default=AxisTable(), description="a table of its own", examples=["[sensors.u]"]
-    )
-    v: AxisTable = Field(
-        default=AxisTable(), description="a table of its own", examples=["[sensors.v]"]
+        description="the lowest and the highest share of the length, from -0.5 to 2",
+        examples=[[0.0, 0.05]],
     )
 
 
@@ -228,6 +167,13 @@ class EstimatorTable(Table):
         description='"direct", "equal", "wam" or "noise-aware"',
         examples=["wam"],
     )
+    axes: list[Literal["u", "v", "h"]] | None = Field(
+        default=None,
+        min_length=1,
+        max_length=3,
+        description='one or more of "u", "v", "h"',
+        examples=[["u", "v"]],
+    )
 
 
 class FixedPointTable(Table):
@@ -271,6 +217,12 @@ class JointTable(Table):
     )
     sensors: SensorsTable = Field(
         default=SensorsTable(), description="a table with radius and more", examples=["[sensors]"]
+    )
+    sensor: list[SensorTable] = Field(
+        default=[],
+        max_length=MOST_SENSORS,
+        description=f"at most {MOST_SENSORS} tables",
+        examples=["[[sensor]]"],
     )
     shapes: ShapesTable = Field(default=ShapesTable(), description="a table", examples=["[shapes]"])
     loads: LoadsTable = Field(default=LoadsTable(), description="a table", examples=["[loads]"])

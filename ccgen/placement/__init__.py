@@ -3,7 +3,7 @@
 from ccgen.placement.constraints import Constraints
 from ccgen.placement.evolution import Evolution, evolve
 from ccgen.placement.methods import METHODS, place
-from ccgen.placement.problem import Placement, Problem, joint_problem
+from ccgen.placement.problem import Placement, Problem, check_placeable, joint_problem
 from ccgen.placement.search import Search, search
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "Placement",
     "Problem",
     "Search",
+    "check_placeable",
     "evolve",
     "joint_problem",
     "place",

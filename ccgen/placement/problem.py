@@ -161,19 +161,59 @@ def joint_problem(
         with_noise: whether the objective is the expected error under the transducer's noise.
 
     Raises:
-        InputError: senseless constraints, or no noise stated; ReachError: an unreachable shape.
+        InputError: a joint whose spans are not free to choose, senseless constraints, or no noise
+            stated; ReachError: an unreachable shape.
     """
+    check_placeable(joint, axis)
     noise = 0.0
     if with_noise:
-        sensor = joint.axis(axis)
-        if not sensor.transducer.noise:
+        stated = alike(joint, axis, "noise")
+        if not stated:
             raise InputError(
                 f"{joint.source}: sensors.{axis}.transducer.noise: not stated;"
                 " give one standard deviation in metres, or use the paper's objective"
             )
-        noise = sensor.transducer.noise / sensor.radius
+        noise = stated / alike(joint, axis, "radius")
     chosen = constraints or Constraints()
     return Problem(fit_library(joint), score_library(joint), sensors, chosen, noise)
+
+
+def check_placeable(joint: "Joint", axis: str) -> None:
+    """Check that the joint has a set of sensors for this axis whose spans are free to choose.
+
+    Raises:
+        InputError: it lists its sensors one by one, leaves the axis out, or elongates.
+    """
+    if joint.u is None and joint.v is None:
+        raise InputError(
+            f"{joint.source}: sensor: lists the sensors one by one, but spans are chosen for the "
+            "sets of [sensors]; write placement, count and radius there instead"
+        )
+    if axis not in joint.axes:
+        raise InputError(
+            f"{joint.source}: estimator.axes: leaves out {axis}, for which spans are asked; "
+            f"choose {' or '.join(a for a in joint.axes if a != 'h')}"
+        )
+    if joint.couples:
+        raise InputError(
+            f"{joint.source}: geometry.elongation: spans are chosen for bending alone; remove it "
+            "to place the sensors"
+        )
+
+
+def alike(joint: "Joint", axis: str, key: str) -> float:
+    """Value of a key that is the same for all sensors of an axis; 0 where none states it.
+
+    Raises:
+        InputError: they differ, so that it is not known which sensor goes where.
+    """
+    values = {getattr(sensor, key) for sensor in joint.sensors[joint.own(axis)]}
+    if len(values) > 1:
+        raise InputError(
+            f"{joint.source}: {key}: differs among the sensors of axis {axis}, whose spans are to "
+            "be chosen; write one value for all"
+        )
+    return float(values.pop() or 0.0)
 
 
 def as_spans(placement: Indices) -> Spans:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.joint import Joint, Sensor
+from ccgen.joint.specification import count_limits
 from ccgen.sensing.readings import length_changes
 from ccgen.shapes import Shapes
 
@@ -48,10 +49,19 @@ def counts_of(joint: Joint, shapes: Shapes) -> Integers:
     return np.asarray(np.rint(length_changes(joint, shapes.state) / step), dtype=np.int64)
 
 
+def raw_counts(joint: Joint, shapes: Shapes) -> Integers:
+    """Counts that ideal transducers give, with their zeros; 0 where a zero is not stated.
+
+    Returns:
+        As `counts_of`.
+    """
+    zeros = np.array([sensor.zero or 0 for sensor in joint.sensors], dtype=np.int64)
+    return np.asarray(counts_of(joint, shapes) + zeros)
+
+
 def within(sensor: Sensor, count: int) -> bool:
-    """Whether the transducer can give a count; its most negative one means "no reading"."""
-    largest = 2 ** (sensor.bits - 1) - 1
-    low, high = sensor.range or (-largest, largest)
+    """Whether the transducer gives a count as a reading."""
+    low, high = sensor.range or count_limits(sensor.bits, sensor.signed)
     return low <= count <= high
 
 

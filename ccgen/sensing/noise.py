@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ccgen.errors import InputError
-from ccgen.joint.layouts import Spans
+from ccgen.joint.layouts import AnySpans
 from ccgen.sensing.readings import Floats, normaliser, response
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def reading_noise(joint: "Joint", axis: str) -> Floats | None:
     return np.asarray(noise[own] / normaliser(joint)[own])
 
 
-def checked_noise(noise_rad: ArrayLike, spans: Spans) -> Floats:
+def checked_noise(noise_rad: ArrayLike, spans: AnySpans) -> Floats:
     """Noise of the readings as an array, shape (n,): one standard deviation each, radians.
 
     Raises:

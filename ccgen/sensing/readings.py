@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ccgen.double_double import DoubleDouble, matmul
 from ccgen.errors import InputError
-from ccgen.joint.layouts import Spans
+from ccgen.joint.layouts import AnySpans
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint, Sensor
@@ -28,7 +28,7 @@ _EXACT = 1e-15
 """Sines and cosines below are those of right angles, off by the rounding of pi."""
 
 Floats = NDArray[np.float64]
-SpansLike = Spans | NDArray[np.intp]
+SpansLike = AnySpans | NDArray[np.intp]
 
 
 def readings(angles: ArrayLike, spans: SpansLike) -> Floats:
@@ -45,7 +45,7 @@ def readings(angles: ArrayLike, spans: SpansLike) -> Floats:
         Shape (..., *batch, n), radians.
 
     Raises:
-        InputError: a span is reversed or outside the joint.
+        InputError: a span is reversed, outside the joint or ends within a segment.
     """
     phi = np.asarray(angles, dtype=np.float64)
     segments = phi.shape[-1]
@@ -56,7 +56,7 @@ def readings(angles: ArrayLike, spans: SpansLike) -> Floats:
     return means
 
 
-def exact_readings(angles: Floats, spans: Spans) -> DoubleDouble:
+def exact_readings(angles: Floats, spans: AnySpans) -> DoubleDouble:
     """Normalised readings in twice the precision, for fits; shape (N, n) from angles (N, m).
 
     Raises:
@@ -69,7 +69,7 @@ def exact_readings(angles: Floats, spans: Spans) -> DoubleDouble:
     return matmul(angles, covered.astype(np.float64)) / (last - first + 1.0)
 
 
-def reading_matrix(segments: int, spans: Spans) -> Floats:
+def reading_matrix(segments: int, spans: AnySpans) -> Floats:
     """Matrix H, shape (n, m), with readings = H @ angles."""
     return readings(np.eye(segments), spans).T
 
@@ -156,7 +156,10 @@ def _means(values: Floats, joint: "Joint") -> Floats:
 
 def _ends(spans: SpansLike, segments: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """First and last segments of spans, each of shape (..., n), checked."""
-    ends = np.asarray(spans, dtype=np.intp)
+    ends = np.asarray(spans)
+    if not (ends == np.rint(ends)).all():
+        raise InputError("spans with parts of segments have no mean angle; give whole segments")
+    ends = ends.astype(np.intp)
     first, last = ends[..., 0], ends[..., 1]
     wrong = (first < 0) | (last < first) | (last >= segments)
     if wrong.any():

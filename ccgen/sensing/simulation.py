@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ccgen.joint import Joint
 from ccgen.joint.loads import StatedLoads
 from ccgen.kinematics import tip_pose
-from ccgen.sensing.counts import counts_of, within
+from ccgen.sensing.counts import raw_counts, within
 from ccgen.sensing.readings import length_changes
 from ccgen.shapes import Shapes, single_shape, unstretched
 
@@ -29,7 +29,7 @@ class Simulation:
     lengths: Floats
     """Tendon length over each sensor's span, shape (n,), metres."""
     counts: Integers
-    """Ideal readings with zero at the straight pose, shape (n,), counts."""
+    """Ideal readings, zeros included, shape (n,), counts."""
     out_of_range: tuple[int, ...]
     """Sensors whose count the transducer cannot give."""
     tip_pose: Floats
@@ -69,7 +69,7 @@ def simulate_loads(joint: Joint, loads: StatedLoads) -> Simulation:
 def sensed(joint: Joint, shape: Shapes) -> Simulation:
     """What ideal sensors make of one shape; `shape` has one row."""
     geometry, (u,), (v,), (h,) = joint.geometry, shape.u, shape.v, shape.h
-    counts = counts_of(joint, shape)[0]
+    counts = raw_counts(joint, shape)[0]
     unbent = geometry.segment_length * np.array([sensor.segments for sensor in joint.sensors])
     return Simulation(
         u=u,
