@@ -397,3 +397,16 @@ def test_extraction_refuses_what_it_does_not_know() -> None:
     y = casadi.MX.sym("y")
     with pytest.raises(ToolError, match=r"casadi .* writes C that ccgen cannot read"):
         extract(other(y), [y])
+
+
+def test_variables_are_named_in_order_of_use_and_constants_stand_where_they_are_used() -> None:
+    import casadi
+
+    x, y = casadi.SX.sym("x"), casadi.SX.sym("y")
+    code = extract(0.5 - (x + y) * (x - y), [x, y])
+    assert code.variables == ("a0", "a1")
+    assert code.statements == (
+        "a0 = x_0 + x_1;", "a1 = x_0 - x_1;", "a0 = a0 * a1;", "a0 = 0.5f - a0;", "*y = a0;",
+    )  # fmt: skip
+    direct = extract(casadi.SX(3), [x])
+    assert (direct.variables, direct.statements) == ((), ("*y = 3.0f;",))

@@ -3,8 +3,13 @@
 CasADi's generated C brings a calling convention, sparsity tables and <math.h> that a firmware has
 no use for, and literals in double precision. Only the function's arithmetic is kept: every line
 must be one of the shapes below, anything else is an error rather than a guess.
+
+CasADi's versions differ in where they write constants and in which work variable holds what. So
+only the values are taken over: constants and inputs stand where they are used, and variables are
+given out here, in order of use, each again as soon as its value was used for the last time.
 """
 
+import heapq
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -74,11 +79,12 @@ def arithmetic(
     for line in body:
         reader.read(line.strip())
     reader.finish()
+    variables, statements = _written(reader.steps)
     return Arithmetic(
         signature=signature,
-        variables=tuple(reader.variables),
+        variables=tuple(variables),
         inputs=tuple(reader.loads),
-        statements=tuple(reader.statements),
+        statements=tuple(statements),
     )
 
 
@@ -97,34 +103,42 @@ def _split(source: str) -> tuple[str, list[str]]:
     return match["signature"], match["body"].splitlines()
 
 
+@dataclass(frozen=True)
+class _Step:
+    """One statement: values that were computed are numbers, anything else is C text."""
+
+    to: int | str
+    form: str  # with a place for each operand
+    operands: tuple[int | str, ...]
+
+
 class _Reader:
-    """Rewrites CasADi's lines one by one."""
+    """Takes over CasADi's lines one by one."""
 
     def __init__(self, inputs: Sequence[Sequence[str]], outputs: Sequence[Sequence[str]]) -> None:
-        self.variables: list[str] = []
         self.loads: list[tuple[str, str]] = []
-        self.statements: list[str] = []
+        self.steps: list[_Step] = []
+        self._held: dict[str, int | str] = {}  # what CasADi's work variables hold
         self._inputs = inputs
         self._outputs = outputs
         self._stored: set[tuple[int, int]] = set()
 
     def read(self, line: str) -> None:
         """Take over one line of the function's body."""
-        if match := _DECLARATION.fullmatch(line):
-            self.variables += match[1].split(", ")
-        elif match := _LOAD.fullmatch(line):
-            self._assign(match["to"], self._load(int(match["i"]), int(match["j"])))
+        if _DECLARATION.fullmatch(line):
+            return
+        if match := _LOAD.fullmatch(line):
+            self._held[match["to"]] = self._load(int(match["i"]), int(match["j"]))
         elif match := _STORE.fullmatch(line):
             self._store(int(match["i"]), int(match["j"]), match["from"])
         elif match := _CONSTANT.fullmatch(line):
-            self._assign(match["to"], float_literal(float(match["value"])))
+            self._held[match["to"]] = float_literal(float(match["value"]))
         elif match := _NEGATION.fullmatch(line):
-            self._assign(match["to"], f"-{_operand(match['x'])}")
+            self._compute(match["to"], "-{}", match["x"])
         elif match := _SQUARE.fullmatch(line):
-            self._assign(match["to"], f"{match['x']} * {match['x']}")
+            self._compute(match["to"], "{} * {}", match["x"], match["x"])
         elif match := _BINARY.fullmatch(line):
-            x, y = _operand(match["x"]), _operand(match["y"])
-            self._assign(match["to"], f"{x} {match['operator']} {y}")
+            self._compute(match["to"], f"{{}} {match['operator']} {{}}", match["x"], match["y"])
         else:
             raise _unknown(f"the line {line!r}")
 
@@ -134,8 +148,17 @@ class _Reader:
         if self._stored != expected:
             raise _unknown(f"no value for outputs {sorted(expected - self._stored)}")
 
-    def _assign(self, name: str, expression: str) -> None:
-        self.statements.append(f"{name} = {expression};")
+    def _compute(self, name: str, form: str, *operands: str) -> None:
+        number = len(self.steps)
+        self.steps.append(_Step(number, form, tuple(self._operand(x) for x in operands)))
+        self._held[name] = number
+
+    def _operand(self, text: str) -> int | str:
+        if not text.startswith("a"):
+            return float_literal(float(text))
+        if text not in self._held:
+            raise _unknown(f"the variable {text} before it has a value")
+        return self._held[text]
 
     def _load(self, i: int, j: int) -> str:
         try:
@@ -153,11 +176,34 @@ class _Reader:
         if i >= len(self._outputs) or j >= len(self._outputs[i]) or (i, j) in self._stored:
             raise _unknown(f"output {i}, element {j}, is not expected (again)")
         self._stored.add((i, j))
-        self.statements.append(f"{self._outputs[i][j]} = {name};")
+        self.steps.append(_Step(self._outputs[i][j], "{}", (self._operand(name),)))
 
 
-def _operand(text: str) -> str:
-    return text if text.startswith("a") else float_literal(float(text))
+def _written(steps: Sequence[_Step]) -> tuple[list[str], list[str]]:
+    """Variables, each free again after its value's last use, and the steps as C statements."""
+    last = {x: k for k, step in enumerate(steps) for x in step.operands}
+    free: list[int] = []
+    places: dict[int | str, int] = {}
+    count = 0
+    for k, step in enumerate(steps):
+        for operand in dict.fromkeys(step.operands):
+            if operand in places and last[operand] == k:
+                heapq.heappush(free, places[operand])
+        if isinstance(step.to, int):
+            if not free:
+                free.append(count)
+                count += 1
+            places[step.to] = heapq.heappop(free)
+    names = [f"a{number:0{len(str(count - 1))}}" for number in range(count)]
+
+    def name(value: int | str) -> str:
+        return names[places[value]] if isinstance(value, int) else value
+
+    statements = [
+        f"{name(step.to)} = {step.form.format(*(name(x) for x in step.operands))};"
+        for step in steps
+    ]
+    return names, statements
 
 
 def _unknown(what: str) -> ToolError:
