@@ -1,26 +1,33 @@
-"""Bounds in print: three digits that still are bounds."""
+"""Bounds in print: a few digits that still are bounds."""
 
-import math
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
-_NEARLY_WHOLE = 1e-12
-"""Relative distance within which a number counts as one of three digits."""
+_NEARLY_WHOLE = Decimal("1e-12")
+"""Relative distance within which a number counts as one of so few digits."""
 
 
 def at_least(value: float) -> str:
     """Three digits of a positive value, rounded up; 0 for 0."""
-    if value <= 0.0:
-        return "0"
-    step = _step(value)
-    return f"{math.ceil(value / step * (1.0 - _NEARLY_WHOLE)) * step:.3g}"
+    return f"{rounded_up(value):.3g}"
 
 
 def at_most(value: float) -> str:
     """Three digits of a positive value, rounded down; 0 for 0."""
     if value <= 0.0:
         return "0"
-    step = _step(value)
-    return f"{math.floor(value / step * (1.0 + _NEARLY_WHOLE)) * step:.3g}"
+    return f"{_rounded(Decimal(value) * (1 + _NEARLY_WHOLE), 3, ROUND_FLOOR):.3g}"
 
 
-def _step(value: float) -> float:
-    return float(10.0 ** (math.floor(math.log10(value)) - 2))
+def rounded_up(value: float, digits: int = 3) -> float:
+    """Least decimal number of so many digits that is not below a positive value; 0 for 0.
+
+    Computed in decimal arithmetic: no logarithm or power of a library decides a digit.
+    """
+    if value <= 0.0:
+        return 0.0
+    return _rounded(Decimal(value) * (1 - _NEARLY_WHOLE), digits, ROUND_CEILING)
+
+
+def _rounded(value: Decimal, digits: int, rounding: str) -> float:
+    step = Decimal(1).scaleb(value.adjusted() + 1 - digits)
+    return float(value.quantize(step, rounding))

@@ -4,11 +4,12 @@ The generated C loops over one function that CasADi derives from the segment's t
 `ccgen.kinematics.symbolic`; `ccgen.kinematics.bounds` bounds the result's error.
 """
 
-import math
 import textwrap
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
+from ccgen.digits import rounded_up
 from ccgen.errors import FormatError
 from ccgen.export.casadi_c import Arithmetic, arithmetic
 from ccgen.kinematics.bounds import ErrorBounds, error_bounds, largest_angle
@@ -64,17 +65,7 @@ def kinematics_context(
 
 def _printed(bounds: ErrorBounds) -> dict[str, str]:
     """Two digits, rounded up: a bound must not shrink in print."""
-
-    def up(value: float) -> str:
-        digits = math.floor(math.log10(value)) - 1
-        return f"{math.ceil(value / 10.0**digits) * 10.0**digits:.1e}"
-
-    return {
-        "position": up(bounds.position),
-        "rotation": up(bounds.rotation),
-        "linear": up(bounds.linear),
-        "angular": up(bounds.angular),
-    }
+    return {key: f"{rounded_up(value, 2):.1e}" for key, value in asdict(bounds).items()}
 
 
 def _c_function(code: Arithmetic) -> dict[str, Any]:
