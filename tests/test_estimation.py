@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from joint_files import joint_text
+from scipy.special import erf
 
 from ccgen.errors import InputError
 from ccgen.estimation import (
@@ -16,6 +17,7 @@ from ccgen.estimation import (
     score_with_noise_percent_rom,
     wam,
 )
+from ccgen.estimation.folded import folded_mean
 from ccgen.joint.file import parse_joint
 from ccgen.joint.layouts import end_to_end, heuristic, single
 from ccgen.sensing.noise import reading_noise
@@ -222,3 +224,14 @@ def test_fit_joint_names_file_key_and_axis():
 def test_an_unknown_method_is_refused_with_the_known_ones(fit):
     with pytest.raises(InputError, match="unknown method 'magic'; give one of direct, equal, wam"):
         fit_weights("magic", fit, single(SEGMENTS))
+
+
+def test_the_mean_of_a_folded_normal_variable_is_its_closed_form():
+    random = np.random.default_rng(8)
+    mean = random.normal(size=2000) * np.exp(random.uniform(-30, 4, 2000))
+    deviation = np.exp(random.uniform(-6, 2, 2000))
+    ratio = np.abs(mean) / (deviation * np.sqrt(2))
+    expected = deviation * np.sqrt(2 / np.pi) * np.exp(-(ratio**2)) + np.abs(mean) * erf(ratio)
+    np.testing.assert_allclose(folded_mean(mean, deviation), expected, rtol=3e-14)
+    np.testing.assert_array_equal(folded_mean(np.array([-2.0, 0.0]), np.array(0.0)), [2.0, 0.0])
+    assert folded_mean(np.array([0.0]), np.array(3.0))[0] == pytest.approx(3 * np.sqrt(2 / np.pi))

@@ -1,5 +1,6 @@
 """Proofs over every count and zero in range, in exact rational arithmetic."""
 
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -67,5 +68,5 @@ def rounding_error(shift: int, fraction_bits: int) -> Fraction:
 
 
 def rms(values: Floats) -> float:
-    """Root mean square over all entries."""
-    return float(np.sqrt(np.mean(np.square(values))))
+    """Root mean square over all entries, summed without rounding."""
+    return math.sqrt(math.fsum(np.square(values).flat) / values.size)

@@ -7,11 +7,13 @@ cannot overflow, whatever the counts and zeros in range; nor can it one step low
 begin that saturate.
 """
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 
+from ccgen.double_double import matmul
 from ccgen.errors import FormatError
 from ccgen.estimation import Weights
 from ccgen.fixedpoint import bounds
@@ -78,7 +80,7 @@ def _quantise_axis(joint: Joint, name: str, weights: Weights, library: ShapeLibr
     ranges = count_range(joint, name, library)
     axis = _Axis(count_gains(joint, name, weights), weights.intercept, ranges, joint.precision)
     counts = counts_of(joint, bent_alike(joint, library))[:, joint.own(name)]
-    ideal = counts @ axis.gains.T + axis.intercept
+    ideal = (matmul(counts, axis.gains.T) + axis.intercept).hi
     best = _choose(axis, float(np.abs(ideal).max()))
     if best is None:
         j = int(np.argmax(ranges.span))
@@ -112,7 +114,8 @@ def _quantise_axis(joint: Joint, name: str, weights: Weights, library: ShapeLibr
 
 def _choose(axis: _Axis, largest_shape: float) -> _Format | None:
     """The finest format that holds this angle (rad) and a quarter more, if any does."""
-    finest = int(np.floor(np.log2(axis.angle_limit / (MARGIN * largest_shape))))
+    # The largest f with 2^f <= the quotient, exact at powers of two.
+    finest = math.frexp(axis.angle_limit / (MARGIN * largest_shape))[1] - 1
     candidates = (_format(axis, fraction_bits) for fraction_bits in range(finest, -1, -1))
     return next((found for found in candidates if found is not None), None)
 

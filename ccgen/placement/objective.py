@@ -29,7 +29,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.placement.folded import folded_mean
+from ccgen.estimation.folded import folded_mean
 from ccgen.shapes import ShapeLibrary
 
 Floats = NDArray[np.float64]

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ccgen.double_double import matmul
 from ccgen.errors import InputError
 from ccgen.joint.layouts import AnySpans
 from ccgen.sensing.readings import Floats, normaliser, response
@@ -38,7 +39,7 @@ def length_variance(joint: "Joint", second_moment: Floats | None = None) -> Floa
         return np.asarray(variance)
     H = response(joint)
     tolerance = np.array([sensor.gain_tolerance for sensor in sensors])
-    lengths = np.einsum("ji,ik,jk->j", H, second_moment, H)
+    lengths = (matmul(H, second_moment) * H).sum(axis=1).hi
     return np.asarray(variance + np.square(tolerance) * lengths)
 
 

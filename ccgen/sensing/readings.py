@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ccgen.double_double import DoubleDouble, matmul
+from ccgen.double_double import DoubleDouble, matmul, sine_and_versine
 from ccgen.errors import InputError
 from ccgen.joint.layouts import AnySpans
 
@@ -88,7 +88,7 @@ def response(joint: "Joint") -> Floats:
         [
             (radius * sine)[:, None] * covered,
             -(radius * cosine)[:, None] * covered,
-            joint.geometry.segment_length * (covered @ sections),
+            joint.geometry.segment_length * matmul(covered, sections).hi,
         ],
         axis=1,
     )
@@ -104,7 +104,8 @@ def coverage(joint: "Joint") -> Floats:
 
 def direction(sensor: "Sensor") -> tuple[float, float]:
     """Sine and cosine of the sensor's angle, exact for right angles."""
-    sine, cosine = math.sin(sensor.angle), math.cos(sensor.angle)
+    exact_sine, versine = sine_and_versine(DoubleDouble.of(sensor.angle))
+    sine, cosine = float(exact_sine.hi), float((1 - versine).hi)
     if abs(sine) < _EXACT:
         return 0.0, math.copysign(1.0, cosine)
     if abs(cosine) < _EXACT:
