@@ -39,6 +39,10 @@ class ToolError(CcgenError):
     """A program that is needed is missing; names it and how to install it."""
 
 
+class BusError(CcgenError):
+    """A bus that went away; names it and why."""
+
+
 class CheckError(CcgenError):
     """A check failed: a mismatch, a lost frame, a budget."""
 

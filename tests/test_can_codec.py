@@ -115,7 +115,6 @@ def test_a_flipped_bit_is_refused_and_counted(bit):
     "change",
     [
         {"data": bytes(7), "dlc": 7},
-        {"is_remote_frame": True, "data": b"", "dlc": 8},
         {"is_fd": True},
     ],
 )
@@ -123,6 +122,13 @@ def test_a_frame_of_another_form_is_refused_and_counted(codec, change):
     good = {"arbitration_id": 0x302, "is_extended_id": False, "data": bytes(8), "dlc": 8}
     assert codec.decode(can.Message(**(good | change))) is None
     assert codec.errors == {"format": 1}
+
+
+@pytest.mark.parametrize("kind", ["is_remote_frame", "is_error_frame"])
+def test_requests_and_errors_of_the_bus_are_nobodys_data(codec, kind):
+    message = can.Message(arbitration_id=0x302, is_extended_id=False, dlc=8, **{kind: True})
+    assert codec.decode(message) is None
+    assert not codec.errors
 
 
 @pytest.mark.parametrize("frame_id", [(0x2FF, False), (0x30C, False), (0x300, True)])

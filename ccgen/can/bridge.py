@@ -110,6 +110,7 @@ class Summary:
         mismatches: angles that differ from the integer reference model.
         faults: names of the faults that the node reported.
         error_percent_rom: per axis, over the answered snapshots; None without any.
+        gone: as of `Exchange`.
     """
 
     source: str
@@ -123,11 +124,13 @@ class Summary:
     mismatches: int
     faults: tuple[str, ...]
     error_percent_rom: dict[str, AxisError] | None
+    gone: str = ""
 
     @property
     def passed(self) -> bool:
         """Whether every frame came and every angle is the reference model's."""
-        return self.answered > 0 and self.lost_frames == 0 and self.mismatches == 0
+        complete = self.answered > 0 and self.lost_frames == 0 and not self.gone
+        return complete and self.mismatches == 0
 
     def record(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -161,6 +164,7 @@ def _summary(stream: Stream, transport: str, result: Exchange) -> Summary:
         mismatches=int(np.count_nonzero(result.angles[answered] != wanted)),
         faults=tuple(name for bit, name in enumerate(FAULTS) if result.faults >> bit & 1),
         error_percent_rom=_errors(stream, result) if answered.any() else None,
+        gone=result.gone,
     )
 
 

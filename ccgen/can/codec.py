@@ -128,6 +128,8 @@ class Codec:
         entry = self._entries.get(message.arbitration_id)
         if entry is None or message.is_extended_id != self.layout.extended:
             return None
+        if message.is_remote_frame or message.is_error_frame:
+            return None  # a request, or the bus itself: nobody's data
         if not self._well_formed(message):
             self.errors["format"] += 1
             return None
@@ -143,12 +145,7 @@ class Codec:
         return Decoded(entry.spec.kind, entry.index, counter, cast("tuple[int, ...]", values))
 
     def _well_formed(self, message: can.Message) -> bool:
-        return (
-            len(message.data) == self.layout.frame_bytes
-            and message.is_fd == self.layout.fd
-            and not message.is_remote_frame
-            and not message.is_error_frame
-        )
+        return len(message.data) == self.layout.frame_bytes and message.is_fd == self.layout.fd
 
     def _message(self, entry: _Entry, values: Sequence[int], counter: int) -> can.Message:
         signals = dict(zip(entry.names, values, strict=True), crc=0, counter=counter)

@@ -81,6 +81,7 @@ class Exchange:
         corrupted: frames that came but failed their checks; each is lost as well.
         unexpected: frames in answer to no snapshot in flight: repeated or too late.
         seconds: from the first frame sent to the last answer.
+        gone: why the bus went away before the end; empty where it did not.
     """
 
     angles: Integers
@@ -91,6 +92,7 @@ class Exchange:
     corrupted: int
     unexpected: int
     seconds: float
+    gone: str = ""
 
     @property
     def snapshots(self) -> int:
@@ -160,7 +162,7 @@ class _Run:
         self.refused = self._refused()
         self.begin = self.end = 0.0
         self.first_sample: int | None = None
-        self.gone = False
+        self.gone = ""
 
     def listen_for_status(self) -> None:
         """Learn from an idle node how many snapshots it has seen; none may come."""
@@ -209,11 +211,12 @@ class _Run:
             corrupted=self._refused() - self.refused,
             unexpected=self.unexpected,
             seconds=self.end - self.begin,
+            gone=self.gone,
         )
 
     def _gone(self) -> bool:
         rounds = _FAILED_ROUNDS if self.statuses.seen or self.answered else 0
-        return self.gone or self.failed > rounds * self.pace.in_flight
+        return bool(self.gone) or self.failed > rounds * self.pace.in_flight
 
     def _refused(self) -> int:
         lines = self.bus.malformed_lines if isinstance(self.bus, BlockSlcanBus) else 0
@@ -256,14 +259,14 @@ class _Run:
             else:
                 for frame in frames:
                     self.bus.send(frame, timeout=self.pace.timeout)
-        except can.CanError:
+        except (can.CanError, OSError):
             return  # the frames of the answer will not come: that is where the loss is counted
 
     def _receive(self, timeout: float) -> None:
         try:
             message = self.bus.recv(timeout)
-        except can.CanError:
-            self.gone = True  # the line is closed: nothing more will come
+        except (can.CanError, OSError) as error:
+            self.gone = _reason(error)  # nothing more will come
             return
         decoded = self.codec.decode(message) if message is not None else None
         if decoded is None or decoded.kind == "lengths":
@@ -304,3 +307,11 @@ class _Run:
             if now - oldest.sent <= self.pace.timeout:
                 return
             self._close(oldest)
+
+
+def _reason(error: Exception) -> str:
+    """Why nothing can be received any more, on one line, with the system's own reason."""
+    causes = [error, *filter(None, (error.__cause__, error.__context__))]
+    reasons = [str(getattr(cause, "strerror", None) or cause) for cause in causes]
+    words = dict.fromkeys(" ".join(reason.split()) for reason in reasons if reason)
+    return ": ".join(words) or type(error).__name__

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ccgen.cli.output import print_json, show_table
-from ccgen.errors import CheckError, InputError
+from ccgen.errors import BusError, CheckError, InputError
 
 if TYPE_CHECKING:
     import can
@@ -105,6 +105,11 @@ def bridge(
         print_json(summary.record())
     else:
         _print(summary)
+    if summary.gone:
+        raise BusError(
+            f"{where}: the bus went away, with {summary.answered} of {summary.snapshots} snapshots "
+            f"answered ({summary.gone}); connect it again"
+        )
     if not summary.passed:
         raise CheckError(_failure(summary))
 

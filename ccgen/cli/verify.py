@@ -55,6 +55,7 @@ def verify(
       ccgen verify firmware/shoulder
       ccgen verify firmware/shoulder --target cortex-m0 --target cortex-m4 --optimise s
     """
+    from ccgen.can.transports.terminal import has_terminals
     from ccgen.targets.exported import open_exported
     from ccgen.verify.plan import Plan
     from ccgen.verify.target import verify_target
@@ -62,11 +63,14 @@ def verify(
     exported = open_exported(directory)
     for file in exported.changed:
         note(f"warning: {directory / file} differs from what was exported; export again to undo")
+    names = _names(target or ["host"])
+    if "host" in names and not has_terminals():
+        note("left out: host, slcan-pty: it needs a pseudo-terminal, which this system has not")
     plan = Plan(snapshots, values, seed)
     runs: list[Run] = []
     try:
         with progress_bars() as report:
-            for name in _names(target or ["host"]):
+            for name in names:
                 runs += verify_target(exported, name, plan, report, f"-O{optimise.value}")
     except ToolError:
         if runs and not json:

@@ -6,7 +6,6 @@ import select
 import shutil
 import subprocess
 import tempfile
-import tty
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -16,6 +15,7 @@ import can
 
 from ccgen.can.transports import not_run
 from ccgen.can.transports.slcan import BlockSlcanBus
+from ccgen.can.transports.terminal import raw_terminal
 from ccgen.errors import ToolError
 
 _START = 30.0
@@ -42,10 +42,9 @@ def running_node(command: Sequence[str]) -> Iterator[can.BusABC]:
     """
     with ExitStack() as stack:
         errors = stack.enter_context(tempfile.TemporaryFile())
-        controlling, terminal = os.openpty()
+        controlling, terminal = raw_terminal()
         stack.callback(os.close, terminal)
         try:
-            tty.setraw(terminal)
             process = _start(command, controlling, controlling, errors)
         finally:
             os.close(controlling)

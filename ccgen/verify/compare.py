@@ -45,8 +45,14 @@ def compare_exchange(
         rate_hz=answers.rate_hz,
         pose_max_error_m=float(distance.max(initial=0.0)),
         pose_bound_m=exported.pose_bounds.position + 0.5 * math.sqrt(3.0) * step,
-        note=f"{answers.corrupted} frames came damaged" if answers.corrupted else "",
+        note=_note(answers),
     )
+
+
+def _note(answers: Exchange) -> str:
+    damaged = f"{answers.corrupted} frames came damaged" if answers.corrupted else ""
+    gone = f"the bus went away ({answers.gone})" if answers.gone else ""
+    return "; ".join(filter(None, (damaged, gone)))
 
 
 def angles_in_radians(exported: Exported, angles: Integers) -> tuple[Floats, Floats]:

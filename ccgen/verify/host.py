@@ -10,6 +10,7 @@ import can
 from ccgen.can.exchange import Pace
 from ccgen.can.transports.library import library_node
 from ccgen.can.transports.process import process_node
+from ccgen.can.transports.terminal import has_terminals
 from ccgen.targets.compiler import LEVEL
 from ccgen.targets.exported import Exported
 from ccgen.targets.host import compile_process, compile_shared
@@ -24,6 +25,8 @@ from ccgen.verify.run import Run
 def verify(exported: Exported, plan: Plan, report: Progress, level: str = LEVEL) -> list[Run]:
     """Batches through the shared library, then both buses; a record each.
 
+    The node as a process of its own is left out where there are no pseudo-terminals for its line.
+
     Args:
         exported: the folder.
         plan: extent.
@@ -37,13 +40,14 @@ def verify(exported: Exported, plan: Plan, report: Progress, level: str = LEVEL)
     runs = []
     with tempfile.TemporaryDirectory(prefix="ccgen-") as folder:
         shared = compile_shared(exported.directory, Path(folder), level)
-        program = compile_process(exported.directory, Path(folder), level)
         library = JointLibrary(shared, exported.model)
         runs.append(compare_batches(exported, library, plan, report))
         nodes: dict[str, Callable[[], AbstractContextManager[can.BusABC]]] = {
-            "virtual": lambda: library_node(shared, exported.layout),
-            "slcan-pty": lambda: process_node(program),
+            "virtual": lambda: library_node(shared, exported.layout)
         }
+        if has_terminals():
+            program = compile_process(exported.directory, Path(folder), level)
+            nodes["slcan-pty"] = lambda: process_node(program)
         for transport, node in nodes.items():
             with node() as bus:
                 runs.append(verify_bus(exported, bus, counts, Pace(), report, "host", transport))

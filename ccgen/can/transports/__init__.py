@@ -1,7 +1,11 @@
 """Ways to a node: this process, another one, an emulator's UART, a bus."""
 
+import logging
 import os
 from pathlib import Path
+
+# Errors are ours to tell; without a handler of its own python-can's log is printed beside them.
+logging.getLogger("can").addHandler(logging.NullHandler())
 
 WINDOW_MS = 10_000
 """Time that a snapshot's frames may take where no bus keeps the time: a busy machine may hold up

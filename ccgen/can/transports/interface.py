@@ -1,5 +1,8 @@
 """A node on any bus that python-can knows: a user's board, a vcan, an emulated target."""
 
+import logging
+import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -32,21 +35,60 @@ def interface_node(
     Raises:
         ArgumentError: python-can does not know the interface or cannot open it.
     """
-    try:
-        bus = _open(layout, interface, channel, bitrate)
-    except (can.CanError, OSError, ValueError, TypeError, ImportError) as error:
-        where = f"{interface} {channel or ''}".strip()
-        raise ArgumentError(f"{where} cannot be opened: {error}", "interface") from error
+    with _drivers_words() as said:
+        try:
+            bus = _open(layout, interface, channel, bitrate)
+        except Exception as error:  # whatever a driver's binding raises where the driver is missing
+            where = f"{interface} {channel or ''}".strip()
+            reason = _reason(error, said)
+            raise ArgumentError(f"{where} cannot be opened: {reason}", "interface") from error
     with bus:
         bus.set_filters([_neighbourhood(layout)])
         yield bus
+
+
+@contextmanager
+def _drivers_words() -> Iterator[list[str]]:
+    """Gather what drivers' bindings say on python-can's log, to tell it in our line."""
+    said: list[str] = []
+
+    class Gather(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            said.append(record.getMessage())
+
+    log, handler = logging.getLogger("can"), Gather(logging.WARNING)
+    log.addHandler(handler)
+    try:
+        yield said
+    finally:
+        log.removeHandler(handler)
+
+
+def _reason(error: Exception, said: list[str]) -> str:
+    """Why a bus cannot be opened, on one line."""
+    text = " ".join(str(error).split())
+    missing = re.search(r"missing \d+ required positional arguments?: (.+)", text)
+    if isinstance(error, TypeError) and missing:
+        options = re.findall(r"'(\w+)'", missing[1])
+        if options == ["channel"]:
+            return "it needs a channel"
+        return f"it needs {', '.join(options)}; write them into python-can's configuration file"
+    if isinstance(error, can.CanError | OSError | ValueError | TypeError | ImportError):
+        return text
+    known = said[0] if said else "its driver does not work here"
+    return f"{' '.join(known.split()).rstrip('.')} ({type(error).__name__}: {text})"
 
 
 def _open(
     layout: FrameLayout, interface: str, channel: str | None, bitrate: int | None
 ) -> can.BusABC:
     options: dict[str, Any] = {} if bitrate is None else {"bitrate": bitrate}
-    if interface not in _CHANNELS:
+    if interface == "slcan" and bitrate not in (None, *BlockSlcanBus.bitrates()):
+        raise ValueError(
+            f"SLCAN has no {bitrate} bit/s, the can.bitrate of joint.toml; write one of "
+            f"{', '.join(map(str, BlockSlcanBus.bitrates()))} there"
+        )
+    if interface not in _CHANNELS or (interface == "slcan" and os.name == "nt"):
         if layout.fd:
             options["fd"] = True
         return can.Bus(interface=interface, channel=channel, **options)

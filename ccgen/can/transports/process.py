@@ -3,7 +3,6 @@
 import os
 import subprocess
 import tempfile
-import tty
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +11,7 @@ import can
 
 from ccgen.can.transports import WINDOW_MS, not_run
 from ccgen.can.transports.slcan import BlockSlcanBus
+from ccgen.can.transports.terminal import raw_terminal
 from ccgen.errors import ToolError
 
 _GRACE = 10.0
@@ -42,9 +42,8 @@ def process_node(program: Path) -> Iterator[can.BusABC]:
 
 
 def _start(program: Path, errors: int) -> tuple[subprocess.Popen[bytes], can.BusABC]:
-    controlling, terminal = os.openpty()
+    controlling, terminal = raw_terminal()
     try:
-        tty.setraw(terminal)
         process = subprocess.Popen(
             [program, "--window-ms", str(WINDOW_MS)],
             stdin=controlling,

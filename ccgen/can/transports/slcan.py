@@ -18,6 +18,7 @@ from can.interfaces.slcan import slcanBus
 _BLOCK = 1 << 16
 _ACKNOWLEDGEMENTS = (b"z", b"Z", b"")
 _REFUSAL = b"\a"
+_LINE_FEED = b"\n"
 _PARTING = 0.2
 """Seconds that the other end has to take the command to close."""
 
@@ -43,6 +44,19 @@ class BlockSlcanBus(slcanBus):
         self._outgoing = bytearray()
         self._holding = False
         super().__init__(channel, sleep_after_open=sleep_after_open, **kwargs)
+
+    @classmethod
+    def bitrates(cls) -> list[int]:
+        """Bit rates that SLCAN has a command for, bits per second."""
+        return sorted(cls._BITRATES)
+
+    def set_bitrate(self, bitrate: int, data_bitrate: int | None = None) -> None:
+        """Set the bit rate; without one for data, python-can 4.6.0 wants a 0.
+
+        Raises:
+            ValueError: SLCAN has no command for it.
+        """
+        super().set_bitrate(bitrate, data_bitrate or 0)
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """Send a frame.
@@ -104,6 +118,8 @@ class BlockSlcanBus(slcanBus):
         if _REFUSAL in data:
             self.refused_lines += data.count(_REFUSAL)
             data = data.replace(_REFUSAL, self.LINE_TERMINATOR)
+        # Lines end in CR or CR LF; what a line feed leaves is an empty line.
+        data = data.replace(_LINE_FEED, self.LINE_TERMINATOR)
         *lines, self._rest = (self._rest + data).split(self.LINE_TERMINATOR)
         self._lines.extend(
             line.decode("latin-1") + "\r" for line in lines if line not in _ACKNOWLEDGEMENTS
