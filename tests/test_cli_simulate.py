@@ -320,9 +320,9 @@ def test_loads_that_cannot_be_are_refused_in_one_line(capsys, tmp_path, text, sa
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (["--case", "uniform"], "--case: belongs to a load case; give it or --loads, not both"),
-        (["--first-segment", "1"], "--first-segment: belongs to a load case; give it or --loads"),
-        (["--axis", "v"], "--axis: belongs to a load case; give it or --loads, not both"),
+        (["--case", "uniform"], "--case: belongs to a load case; give it or loads, not both"),
+        (["--first-segment", "1"], "--first-segment: belongs to a load case; give it or loads"),
+        (["--axis", "v"], "--axis: belongs to a load case; give it or loads, not both"),
     ],
 )
 def test_stated_loads_exclude_a_load_case(capsys, tmp_path, options, says):
@@ -331,7 +331,7 @@ def test_stated_loads_exclude_a_load_case(capsys, tmp_path, options, says):
 
 
 def test_half_a_load_case_is_told_what_it_lacks(capsys):
-    choices = "missing; give --case with --first-segment, or --loads FILE\n"
+    choices = "missing; give a case with the angle of the first segment, or loads\n"
     assert ccgen("simulate", SHOULDER) == 2
     assert capsys.readouterr().err == f"ccgen: error: --case: {choices}"
     assert ccgen("simulate", SHOULDER, "--case", "uniform") == 2

@@ -22,7 +22,7 @@ from ccgen.joint.file import parse_joint
 from ccgen.joint.layouts import end_to_end, heuristic, single
 from ccgen.sensing.noise import reading_noise
 from ccgen.sensing.readings import reading_matrix, readings
-from ccgen.shapes import fit_library, score_library, shape_library
+from ccgen.shapes import bent_alike, fit_library, score_library, shape_library
 
 SEGMENTS = 12
 ROM = np.radians(3.0)
@@ -209,9 +209,9 @@ def test_fit_joint_uses_the_joints_method_on_both_axes(method):
 def test_fit_joint_takes_another_method_and_library():
     described = joint("wam")
     library = score_library(described)
-    given_library = fit_joint(described, library=library)["u"]
+    given_library = fit_joint(described, shapes=bent_alike(library.angles))["u"]
     assert np.array_equal(given_library.matrix, wam(library, given_library.spans).matrix)
-    assert fit_joint(described, "equal", library)["v"].method == "equal"
+    assert fit_joint(described, "equal", bent_alike(library.angles))["v"].method == "equal"
 
 
 def test_fit_joint_names_file_key_and_axis():

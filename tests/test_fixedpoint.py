@@ -14,11 +14,11 @@ from ccgen.errors import FormatError, InputError
 from ccgen.estimation import fit_joint
 from ccgen.fixedpoint import load_model, model_json, quantise
 from ccgen.fixedpoint.bounds import largest_accumulator
-from ccgen.fixedpoint.ranges import bent_alike, count_gains
+from ccgen.fixedpoint.ranges import count_gains
 from ccgen.joint import AXES
 from ccgen.joint.file import parse_joint
 from ccgen.sensing.counts import counts_of
-from ccgen.shapes import fit_library, unstretched
+from ccgen.shapes import fit_shapes, unstretched
 
 
 def joint_of(segments=12, count=3, precision=16, step=2.0e-6, method="wam", extra="", bits=None):
@@ -31,10 +31,10 @@ def joint_of(segments=12, count=3, precision=16, step=2.0e-6, method="wam", extr
 
 def model_of(**options):
     joint = joint_of(**options)
-    library = fit_library(joint)
-    weights = fit_joint(joint, library=library)
+    shapes = fit_shapes(joint)
+    weights = fit_joint(joint, shapes=shapes)
     return SimpleNamespace(
-        joint=joint, library=library, weights=weights, model=quantise(joint, weights, library)
+        joint=joint, shapes=shapes, weights=weights, model=quantise(joint, weights, shapes)
     )
 
 
@@ -135,7 +135,7 @@ def test_quantisation_of_the_example_adds_no_more_than_promised():
 
 def test_the_default_range_holds_the_shapes_and_a_quarter_more():
     made = model_of()
-    counts = np.abs(counts_of(made.joint, bent_alike(made.joint, made.library))).max(axis=0)[:3]
+    counts = np.abs(counts_of(made.joint, made.shapes)).max(axis=0)[:3]
     assert np.array_equal(made.model.u.maximum, np.ceil(1.25 * counts))
     assert np.array_equal(made.model.u.minimum, -made.model.u.maximum)
 

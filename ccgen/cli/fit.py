@@ -1,18 +1,18 @@
 """`ccgen fit`: the weights of a joint's estimator and how well they do."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ccgen.cli.choices import Method
-from ccgen.cli.output import print_json, show_table
+from ccgen.cli.output import note, print_json, show_table
 from ccgen.cli.plot import write_plot
 
 if TYPE_CHECKING:
-    from ccgen.estimation import Weights
+    from ccgen.fixedpoint import Fit
     from ccgen.joint import Joint
-    from ccgen.shapes import ShapeLibrary
 
 
 def fit(
@@ -32,42 +32,46 @@ def fit(
     Example:
       ccgen fit shoulder.toml --method equal --plot shapes.svg
     """
-    from ccgen.estimation import fit_joint
-    from ccgen.joint import AXES
-    from ccgen.joint.file import read_joint
-    from ccgen.shapes import score_library
+    from ccgen.fixedpoint import fit as fitted_to
+    from ccgen.joint.file import load
 
-    joint = read_joint(joint_file)
-    weights = fit_joint(joint, method)
-    library = score_library(joint)
-    axes = {axis: _figures(joint, axis, weights[axis], library) for axis in AXES}
+    joint = load(joint_file)
+    fitted = fitted_to(joint, method)
+    axes = {axis: _figures(fitted, axis) for axis in fitted.weights}
+    for warning in fitted.warnings:
+        note(f"warning: {warning}")
     if plot is not None:
         from ccgen.figures.case_study import case_study_figure
 
         write_plot(plot, lambda: case_study_figure(joint, method))
     if json:
-        print_json({"method": weights["u"].method, "axes": axes})
+        print_json(
+            {
+                "method": fitted.method,
+                "axes": axes,
+                "errors": [asdict(row) for row in fitted.errors],
+                "warnings": list(fitted.warnings),
+            }
+        )
     else:
-        _print(joint, weights["u"].method, axes)
+        _print(joint, fitted.method, axes)
 
 
-def _figures(
-    joint: "Joint", axis: str, weights: "Weights", library: "ShapeLibrary"
-) -> dict[str, Any]:
-    from ccgen.estimation import noise_gain, score_percent_rom, score_with_noise_percent_rom
-    from ccgen.sensing.noise import reading_noise
+def _figures(fitted: "Fit", axis: str) -> dict[str, Any]:
+    """What the paper tells of an axis: its weights and their error on the load cases."""
+    from ccgen.estimation import noise_gain
 
-    noise = reading_noise(joint, axis)
+    weights = fitted.weights[axis]
+    cases = {row.noise: row for row in fitted.errors if row.source == "cases"}
+    scores = {noise: row.mean_percent_rom[axis] for noise, row in cases.items()}
     return {
         "spans": [list(span) for span in weights.spans],
         "weights": weights.matrix.tolist(),
         "intercept_rad": weights.intercept.tolist(),
         "weights_range": [float(weights.matrix.min()), float(weights.matrix.max())],
-        "score_percent_rom": score_percent_rom(weights, library),
+        "score_percent_rom": scores[False],
         "noise_gain": noise_gain(weights),
-        "score_with_noise_percent_rom": (
-            None if noise is None else score_with_noise_percent_rom(weights, library, noise)
-        ),
+        "score_with_noise_percent_rom": scores.get(True),
     }
 
 

@@ -57,11 +57,8 @@ def simulate(
     from ccgen.joint.file import read_joint
 
     joint = read_joint(joint_file)
-    if loads is not None:
-        _refuse({"--case": case, "--first-segment": first_segment, "--axis": axis})
-        simulation, draw = _under_loads(joint, loads)
-    else:
-        simulation, draw = _under_case(joint, case, first_segment, axis)
+    simulation, draw = _simulated(joint, case, first_segment, axis, loads)
+    _note_what_is_beyond(joint, simulation, first_segment)
     for j in simulation.out_of_range:
         name, count = joint.sensors[j].name, simulation.counts[j]
         note(f"sensor {name}: its transducer cannot give a count of {count}")
@@ -73,50 +70,49 @@ def simulate(
         print_tables(joint, simulation)
 
 
-def _refuse(options: dict[str, object]) -> None:
-    """Refuse options of a load case beside --loads."""
-    for option, value in options.items():
-        if value is not None:
-            raise InputError(f"{option}: belongs to a load case; give it or --loads, not both")
-
-
-def _under_case(
-    joint: "Joint", case: str | None, degrees: float | None, axis: str | None
+def _simulated(
+    joint: "Joint",
+    case: str | None,
+    degrees: float | None,
+    axis: str | None,
+    path: Path | None,
 ) -> "tuple[Simulation, Callable[[], Figure]]":
+    """The shape, and what draws it."""
+    from ccgen.joint.load_files import read_loads
     from ccgen.sensing.simulation import simulate as simulated
 
-    if case is None or degrees is None:
-        missing = "--case" if case is None else "--first-segment"
-        raise InputError(f"{missing}: missing; give --case with --first-segment, or --loads FILE")
-    bent = axis or (Axis.U if "u" in joint.axes else Axis.V)
-    if not abs(degrees) <= _STEEPEST:
+    if degrees is not None and not abs(degrees) <= _STEEPEST:
         raise InputError(
             f"--first-segment: {degrees:g} is no angle of a segment; "
             f"give degrees from {-_STEEPEST:g} to {_STEEPEST:g}"
         )
+    radians = None if degrees is None else math.radians(degrees)
+    loads = None if path is None else read_loads(path, joint.geometry)
     try:
-        simulation = simulated(joint, case, math.radians(degrees), bent)
+        simulation = simulated(joint, case, radians, axis, loads, far=True)
     except ReachError as error:
-        raise ReachError(f"--first-segment: {error}") from error
-    limit = math.degrees(joint.geometry.range_of_motion)
-    if abs(degrees) > limit * _ROUNDING:
-        note(f"{degrees:g} degrees is beyond the range of motion of {limit:.6g}")
+        raise (error if loads else ReachError(f"--first-segment: {error}")) from error
 
     def draw() -> "Figure":
         from ccgen.figures.shape import shape_figure
+        from ccgen.figures.space import loads_figure
 
-        return shape_figure(joint, simulation, bent)
+        if loads is not None:
+            return loads_figure(joint, simulation, loads)
+        return shape_figure(joint, simulation, axis or joint.axes[0])
 
     return simulation, draw
 
 
-def _under_loads(joint: "Joint", path: Path) -> "tuple[Simulation, Callable[[], Figure]]":
-    from ccgen.joint.load_files import read_loads
-    from ccgen.sensing.simulation import simulate_loads
-
-    loads = read_loads(path, joint.geometry)
-    simulation = simulate_loads(joint, loads)
+def _note_what_is_beyond(
+    joint: "Joint", simulation: "Simulation", first_segment: float | None
+) -> None:
+    """Say where a shape leaves the range of motion, asked for so or bent so by loads."""
     limit = math.degrees(joint.geometry.range_of_motion)
+    if first_segment is not None:
+        if abs(first_segment) > limit * _ROUNDING:
+            note(f"{first_segment:g} degrees is beyond the range of motion of {limit:.6g}")
+        return
     for axis, angles in (("u", simulation.u), ("v", simulation.v)):
         steepest = int(abs(angles).argmax())
         degrees = math.degrees(angles[steepest])
@@ -125,10 +121,3 @@ def _under_loads(joint: "Joint", path: Path) -> "tuple[Simulation, Callable[[], 
                 f"segment {steepest} bends by {degrees:.3g} degrees in {axis}, beyond the range of "
                 f"motion of {limit:.6g}"
             )
-
-    def draw() -> "Figure":
-        from ccgen.figures.space import loads_figure
-
-        return loads_figure(joint, simulation, loads)
-
-    return simulation, draw

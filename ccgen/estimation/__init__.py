@@ -2,16 +2,24 @@
 
 from ccgen.estimation.fit import FIT_METHODS, fit_joint, fit_weights
 from ccgen.estimation.noise_aware import noise_aware, posterior_covariance
-from ccgen.estimation.score import noise_gain, score_percent_rom, score_with_noise_percent_rom
+from ccgen.estimation.score import (
+    ErrorRow,
+    error_rows,
+    noise_gain,
+    score_percent_rom,
+    score_with_noise_percent_rom,
+)
 from ccgen.estimation.simple import direct, equal
 from ccgen.estimation.wam import wam, wam_matrix, wam_objective, wam_paper_call
 from ccgen.estimation.weights import Weights
 
 __all__ = [
     "FIT_METHODS",
+    "ErrorRow",
     "Weights",
     "direct",
     "equal",
+    "error_rows",
     "fit_joint",
     "fit_weights",
     "noise_aware",

@@ -14,7 +14,7 @@ from ccgen.sensing.noise import reading_noise
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
-    from ccgen.shapes import ShapeLibrary
+    from ccgen.shapes import ShapeLibrary, Shapes
 
 FIT_METHODS = ("direct", "equal", "wam", "noise-aware", "wam-paper-call")
 
@@ -53,26 +53,28 @@ def fit_weights(
 
 
 def fit_joint(
-    joint: "Joint", method: str | None = None, library: "ShapeLibrary | None" = None
+    joint: "Joint", method: str | None = None, shapes: "Shapes | None" = None
 ) -> dict[str, Weights]:
     """Weights of each output axis, under the keys "u" and "v".
 
     Args:
         joint: the joint.
         method: instead of the joint's own.
-        library: shapes to fit instead of the joint's simulated ones.
+        shapes: to fit instead of what the joint states.
 
     Raises:
         InputError: as `fit_weights`, naming the joint's file and the axis; ReachError: a shape
             that no load reaches.
     """
-    if library is None:
-        from ccgen.shapes import fit_library
+    from ccgen.shapes import axis_library, fit_shapes
 
-        library = fit_library(joint)
-    method = method or joint.method
     _check_sets(joint)
-    return {axis: _fit_axis(joint, axis, method, library) for axis in joint.axes}
+    rows = fit_shapes(joint) if shapes is None else shapes
+    rom = joint.geometry.range_of_motion
+    return {
+        axis: _fit_axis(joint, axis, method or joint.method, axis_library(rows, axis, rom))
+        for axis in joint.axes
+    }
 
 
 def _check_sets(joint: "Joint") -> None:

@@ -4,6 +4,8 @@ The figures are the same bits on every machine: errors are rounded once, and sum
 """
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,11 +14,57 @@ from numpy.typing import ArrayLike
 from ccgen.double_double import matmul
 from ccgen.estimation.folded import folded_mean
 from ccgen.estimation.weights import Floats, Weights
-from ccgen.sensing.noise import checked_noise
+from ccgen.sensing.noise import checked_noise, reading_noise
 from ccgen.sensing.readings import exact_readings
 
 if TYPE_CHECKING:
+    from ccgen.joint import Joint
     from ccgen.shapes import ShapeLibrary
+
+
+@dataclass(frozen=True)
+class ErrorRow:
+    """Error of the estimate over the shapes of one source.
+
+    Attributes:
+        source: where the shapes came from, such as "cases".
+        held_out: whether the weights were fitted to other shapes.
+        noise: whether readings carry the transducers' noise.
+        mean_percent_rom: mean absolute error of a segment's angle by axis, % of the range of
+            motion (equation 12).
+    """
+
+    source: str
+    held_out: bool
+    noise: bool
+    mean_percent_rom: dict[str, float]
+
+
+def error_rows(
+    joint: "Joint",
+    weights: Mapping[str, Weights],
+    libraries: "Mapping[str, ShapeLibrary]",
+    source: str,
+    held_out: bool,
+) -> list[ErrorRow]:
+    """Errors over the shapes of one source: without noise, and with it where it is stated.
+
+    Args:
+        joint: its sensors and their noise.
+        weights, libraries: by axis.
+        source, held_out: as in `ErrorRow`.
+    """
+    plain = {axis: score_percent_rom(one, libraries[axis]) for axis, one in weights.items()}
+    rows = [ErrorRow(source, held_out, False, plain)]
+    noise = {axis: reading_noise(joint, axis) for axis in weights}
+    noisy = {
+        axis: score_with_noise_percent_rom(weights[axis], libraries[axis], sigma)
+        for axis, sigma in noise.items()
+        if sigma is not None
+    }
+    if len(noisy) == len(weights):
+        rows.append(ErrorRow(source, held_out, True, noisy))
+    return rows
 
 
 def score_percent_rom(weights: Weights, library: "ShapeLibrary") -> float:

@@ -9,13 +9,12 @@ from ccgen import FORMAT_VERSION, __version__
 from ccgen.can.layout import FrameLayout
 from ccgen.can.load import load_percent
 from ccgen.digits import at_least
-from ccgen.estimation import Weights, noise_gain, score_percent_rom, score_with_noise_percent_rom
+from ccgen.estimation import ErrorRow, noise_gain
 from ccgen.export import vectors
-from ccgen.fixedpoint import AxisModel, FixedPointModel
+from ccgen.fixedpoint import AxisModel, Fit, FixedPointModel
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts_of
-from ccgen.sensing.noise import reading_noise
-from ccgen.shapes import ShapeLibrary, unstretched
+from ccgen.shapes import Shapes, unstretched
 
 SHAPE_VECTORS = 8
 BLOCKS = 8
@@ -28,7 +27,7 @@ _EVALUATED = (
 """What an axis's code depends on: axes that agree in all of it share tables and code."""
 
 
-def common_context(joint: Joint) -> dict[str, Any]:
+def common_context(joint: Joint, method: str) -> dict[str, Any]:
     """Names, versions and the joint's geometry."""
     geometry = joint.geometry
     return {
@@ -40,20 +39,17 @@ def common_context(joint: Joint) -> dict[str, Any]:
         "length_m": geometry.length,
         "segment_length_mm": f"{1000.0 * geometry.segment_length:.6g}",
         "rom_deg": f"{math.degrees(geometry.range_of_motion):.6g}",
-        "method": joint.method,
+        "method": method,
         "precision": joint.precision,
-        "cases": joint.shapes.cases,
     }
 
 
-def model_context(
-    joint: Joint, model: FixedPointModel, weights: dict[str, Weights], library: ShapeLibrary
-) -> dict[str, Any]:
+def model_context(fitted: Fit) -> dict[str, Any]:
     """Formats, weights and accuracy of both axes."""
-    axes = {a: _axis_context(joint, model.axis(a), weights[a], library) for a in AXES}
+    axes = {axis: _axis_context(fitted, fitted.model.axis(axis)) for axis in AXES}
     shared = all(axes["u"][key] == axes["v"][key] for key in _EVALUATED)
     axes["v"]["tables"] = "u" if shared else "v"
-    return {"axes": axes, "kernels": _kernels(axes, joint)}
+    return {"axes": axes, "kernels": _kernels(axes, fitted.joint)}
 
 
 def _kernels(axes: dict[str, dict[str, Any]], joint: Joint) -> list[dict[str, Any]]:
@@ -102,7 +98,7 @@ def can_context(layout: FrameLayout, joint: Joint) -> dict[str, Any]:
     }
 
 
-def selftest_context(joint: Joint, model: FixedPointModel, library: ShapeLibrary) -> dict[str, Any]:
+def selftest_context(joint: Joint, model: FixedPointModel, shapes: Shapes) -> dict[str, Any]:
     """Vectors with the right angles, and checksums of drawn blocks."""
     limits = [model.axis(a) for a in AXES]
     blocks = [vectors.block(model, seed, BLOCK_SNAPSHOTS) for seed in range(BLOCKS)]
@@ -110,7 +106,7 @@ def selftest_context(joint: Joint, model: FixedPointModel, library: ShapeLibrary
     count_bytes = joint.precision // 8
     state = count_bytes * 2 * (model.u.sensors + model.v.sensors + model.segments)
     return {
-        "vectors": _vectors(joint, model, library),
+        "vectors": _vectors(joint, model, shapes),
         "minimum": [int(x) for axis in limits for x in axis.minimum],
         "maximum": [int(x) for axis in limits for x in axis.maximum],
         "checksums": sums,
@@ -125,10 +121,8 @@ def float_literal(value: float) -> str:
     return (text if "." in text or "e" in text else text + ".0") + "f"
 
 
-def _axis_context(
-    joint: Joint, axis: AxisModel, weights: Weights, library: ShapeLibrary
-) -> dict[str, Any]:
-    noise = reading_noise(joint, axis.axis)
+def _axis_context(fitted: Fit, axis: AxisModel) -> dict[str, Any]:
+    joint, weights = fitted.joint, fitted.weights[axis.axis]
     sensors, first = joint.axis(axis.axis), joint.sensors[joint.own(axis.axis)][0]
     return {
         "axis": axis.axis,
@@ -152,11 +146,17 @@ def _axis_context(
         "rows": [{"weights": w, "pairs": _pairs(w)} for w in axis.weights.tolist()],
         "worst_error_percent_rom": at_least(axis.worst_error_percent_rom),
         "rms_error_percent_rom": f"{axis.rms_error_percent_rom:.2g}",
-        "score_percent_rom": f"{score_percent_rom(weights, library):.3g}",
+        "scores": [_score(row, axis.axis) for row in fitted.errors],
         "noise_gain": f"{noise_gain(weights):.3g}",
-        "score_with_noise_percent_rom": None
-        if noise is None
-        else f"{score_with_noise_percent_rom(weights, library, noise):.3g}",
+    }
+
+
+def _score(row: ErrorRow, axis: str) -> dict[str, Any]:
+    """An error of the fit as the folder's README tells it."""
+    return {
+        "shapes": "simulated shapes" if row.source == "cases" else f"{row.source} shapes",
+        "noise": row.noise,
+        "percent_rom": f"{row.mean_percent_rom[axis]:.3g}",
     }
 
 
@@ -176,12 +176,11 @@ def _pairs(row: list[int]) -> list[tuple[int, int]]:
     return list(zip(padded[0::2], padded[1::2], strict=True))
 
 
-def _vectors(
-    joint: Joint, model: FixedPointModel, library: ShapeLibrary
-) -> list[dict[str, list[int]]]:
+def _vectors(joint: Joint, model: FixedPointModel, shapes: Shapes) -> list[dict[str, list[int]]]:
     """Shapes from every load case, and the corners with the most and the least of everything."""
-    chosen = library.angles[:: max(1, len(library.angles) // SHAPE_VECTORS)][:SHAPE_VECTORS]
-    counts = counts_of(joint, unstretched(chosen, chosen, len(joint.geometry.sections)))
+    every = slice(None, None, max(1, len(shapes) // SHAPE_VECTORS))
+    bent = [angles[every][:SHAPE_VECTORS] for angles in (shapes.u, shapes.v)]
+    counts = counts_of(joint, unstretched(bent[0], bent[1], len(joint.geometry.sections)))
     readings = {
         a: [*counts[:, joint.own(a)], model.axis(a).minimum, model.axis(a).maximum] for a in AXES
     }

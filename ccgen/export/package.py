@@ -7,17 +7,15 @@ from typing import Any
 
 from ccgen import resources
 from ccgen.can.layout import FrameLayout, layout_for
-from ccgen.errors import InputError
-from ccgen.estimation import fit_joint
+from ccgen.errors import ArgumentError, InputError
 from ccgen.export import context
 from ccgen.export.dbc import dbc_text
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
-from ccgen.fixedpoint import FixedPointModel, model_json, quantise
+from ccgen.fixedpoint import Fit, FixedPointModel, fit, model_json
 from ccgen.joint import AXES, Joint, Sensor
-from ccgen.joint.file import read_joint_and_bytes
+from ccgen.joint.file import load, parse_joint
 from ccgen.outputs import new_folder
-from ccgen.shapes import fit_library, score_library
 
 JOINT_FILES = {
     "src/{name}.h": "model.h.j2",
@@ -58,41 +56,39 @@ class Export:
     layout: FrameLayout
 
 
-def export(joint_file: Path, directory: Path) -> Export:
+def export(fitted: Fit | Joint | str | Path, directory: str | Path) -> Export:
     """Write the folder for a joint; an older export in its place is replaced in one step.
+
+    Args:
+        fitted: a fit, which is exported as it was fitted; a joint, or the path of its file, which
+            is fitted first.
+        directory: the folder to write.
 
     Raises:
         InputError: the joint's file is wrong, no format fits, or the folder cannot be written or
             holds files that are not ours.
     """
-    joint, source = read_joint_and_bytes(joint_file)
-    model, layout, files = render(joint, source)
-    with new_folder(directory, _only_ours) as folder:
+    joint = load(fitted) if isinstance(fitted, str | Path) else fitted
+    whole = joint if isinstance(joint, Fit) else fit(_expressible(joint))
+    layout, files = render(whole)
+    with new_folder(Path(directory), _only_ours) as folder:
         for path, content in files.items():
             target = folder / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(content)
-    return Export(directory, tuple(sorted(files)), joint, model, layout)
+    return Export(Path(directory), tuple(sorted(files)), whole.joint, whole.model, layout)
 
 
-def render(joint: Joint, source: bytes) -> tuple[FixedPointModel, FrameLayout, dict[str, bytes]]:
-    """The model, the frames, and every file's content by path; the same input, the same bytes.
-
-    Args:
-        joint: the specification.
-        source: bytes of its joint.toml.
-    """
-    _check_expressible(joint)
-    library = fit_library(joint)
-    weights = fit_joint(joint, library=library)
-    model = quantise(joint, weights, library)
+def render(fitted: Fit) -> tuple[FrameLayout, dict[str, bytes]]:
+    """The frames, and every file's content by path; the same input, the same bytes."""
+    joint, model = _expressible(fitted.joint), fitted.model
     layout = layout_for(joint, model)
     runtime = runtime_files()
     values: dict[str, Any] = {
-        **context.common_context(joint),
-        **context.model_context(joint, model, weights, score_library(joint)),
+        **context.common_context(joint, fitted.method),
+        **context.model_context(fitted),
         **context.can_context(layout, joint),
-        **context.selftest_context(joint, model, library),
+        **context.selftest_context(joint, model, fitted.shapes),
         "kinematics": kinematics_context(
             joint.name,
             joint.geometry.segments,
@@ -109,10 +105,34 @@ def render(joint: Joint, source: bytes) -> tuple[FixedPointModel, FrameLayout, d
     }
     texts[f"{joint.name}.dbc"] = dbc_text(layout, joint, model)
     texts["model.json"] = model_json(model)
-    files = runtime | {"joint.toml": source, "LICENSE": resources.licence().read_bytes()}
+    files = runtime | {"joint.toml": joint.content, "LICENSE": resources.licence().read_bytes()}
     files |= {path: text.encode("utf-8") for path, text in texts.items()}
-    files[FILE_NAME] = manifest_json(joint.name, source, files).encode("utf-8")
-    return model, layout, files
+    files[FILE_NAME] = manifest_json(joint.name, _inputs(fitted), files).encode("utf-8")
+    return layout, files
+
+
+def _inputs(fitted: Fit) -> dict[str, bytes]:
+    """What the folder was made from: the joint's file, and shapes that it does not state."""
+    inputs = {"joint.toml": fitted.joint.content}
+    if set(fitted.shapes.source) != {"cases"}:
+        inputs["shapes"] = fitted.shapes.state.astype("<f8").tobytes()
+    return inputs
+
+
+def _expressible(joint: Joint) -> Joint:
+    """The joint, once it is clear that its file and the C can say what it is."""
+    _check_expressible(joint)
+    try:
+        stated = parse_joint(joint.content.decode("utf-8-sig"), joint.source)
+    except (InputError, UnicodeDecodeError):
+        stated = None
+    if stated != joint:
+        raise ArgumentError(
+            f"joint {joint.name} is not what its file says, which is exported with it; change the "
+            "text of the file, and parse that",
+            "fitted",
+        )
+    return joint
 
 
 def _check_expressible(joint: Joint) -> None:

@@ -1,5 +1,6 @@
 """Fixed-point formats, proofs, and the integer reference model."""
 
+from ccgen.fixedpoint.fitted import Fit, fit
 from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.model import AxisModel, FixedPointModel
 from ccgen.fixedpoint.ranges import count_range
@@ -7,8 +8,10 @@ from ccgen.fixedpoint.storage import load_model, model_json
 
 __all__ = [
     "AxisModel",
+    "Fit",
     "FixedPointModel",
     "count_range",
+    "fit",
     "load_model",
     "model_json",
     "quantise",

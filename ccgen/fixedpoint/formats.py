@@ -8,6 +8,7 @@ begin that saturate.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -22,13 +23,12 @@ from ccgen.fixedpoint.ranges import (
     MARGIN,
     CountRange,
     SensorPlace,
-    bent_alike,
     count_gains,
     count_range,
 )
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts_of
-from ccgen.shapes import ShapeLibrary
+from ccgen.shapes import Shapes
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,25 +61,25 @@ class _Axis:
         return int(2 ** (self.precision - 1) - 1)
 
 
-def quantise(joint: Joint, weights: dict[str, Weights], library: ShapeLibrary) -> FixedPointModel:
+def quantise(joint: Joint, weights: Mapping[str, Weights], shapes: Shapes) -> FixedPointModel:
     """Fixed-point model of both axes in the joint's precision.
 
     Args:
         joint: the specification.
         weights: of axes "u" and "v".
-        library: shapes the sensors must follow; sets undeclared ranges and the angle's format.
+        shapes: that the sensors must follow; sets undeclared ranges and the angle's format.
 
     Raises:
         FormatError: no format fits; names the sensor, the key and the remedy.
     """
-    models = [_quantise_axis(joint, axis, weights[axis], library) for axis in AXES]
+    models = [_quantise_axis(joint, axis, weights[axis], shapes) for axis in AXES]
     return FixedPointModel(joint.name, joint.precision, *models)
 
 
-def _quantise_axis(joint: Joint, name: str, weights: Weights, library: ShapeLibrary) -> AxisModel:
-    ranges = count_range(joint, name, library)
+def _quantise_axis(joint: Joint, name: str, weights: Weights, shapes: Shapes) -> AxisModel:
+    ranges = count_range(joint, name, shapes)
     axis = _Axis(count_gains(joint, name, weights), weights.intercept, ranges, joint.precision)
-    counts = counts_of(joint, bent_alike(joint, library))[:, joint.own(name)]
+    counts = counts_of(joint, shapes)[:, joint.own(name)]
     ideal = (matmul(counts, axis.gains.T) + axis.intercept).hi
     best = _choose(axis, float(np.abs(ideal).max()))
     if best is None:

@@ -13,7 +13,7 @@ from ccgen.joint import Joint, Sensor
 from ccgen.joint.places import sensor_key
 from ccgen.sensing.counts import counts_of
 from ccgen.sensing.readings import length_changes, normaliser
-from ccgen.shapes import ShapeLibrary, Shapes, unstretched
+from ccgen.shapes import Shapes
 
 MARGIN = 1.25
 """A range that is not declared covers what the shapes need and a quarter more."""
@@ -42,19 +42,14 @@ def count_gains(joint: Joint, axis: str, weights: Weights) -> Floats:
     return weights.matrix * (step / normaliser(joint)[own])
 
 
-def bent_alike(joint: Joint, library: ShapeLibrary) -> Shapes:
-    """The library's shapes in both bending axes at once, for joints whose axes do not meet."""
-    return unstretched(library.angles, library.angles, len(joint.geometry.sections), "cases")
-
-
-def count_range(joint: Joint, axis: str, library: ShapeLibrary) -> CountRange:
-    """Range of each sensor's counts: as declared, or what the library needs and a quarter more.
+def count_range(joint: Joint, axis: str, shapes: Shapes) -> CountRange:
+    """Range of each sensor's counts: as declared, or what the shapes need and a quarter more.
 
     Raises:
         FormatError: the transducer's bits or its declared range do not hold the shapes; the
             message names the sensor.
     """
-    own, shapes = joint.own(axis), bent_alike(joint, library)
+    own = joint.own(axis)
     needed = np.abs(counts_of(joint, shapes)).max(axis=0)[own]
     moves = np.abs(length_changes(joint, shapes.state)).max(axis=0)[own]
     ends = np.zeros((needed.size, 2), dtype=np.int64)

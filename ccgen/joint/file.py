@@ -1,12 +1,12 @@
 """From the bytes of a joint file to a `Joint`, through TOML and the checked tables."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from ccgen.errors import InputError
+from ccgen.errors import ArgumentError, InputError
 from ccgen.joint import listed, sensors, toml
 from ccgen.joint.axes import check_seen, output_axes, parts_of
 from ccgen.joint.geometry import geometry_of
@@ -29,23 +29,39 @@ from ccgen.joint.tables import CanTable, JointTable, ShapesTable
 _KIND = toml.Kind("joint file", "`ccgen init NAME` writes one that works", "segments = 12")
 
 
-def read_joint(path: Path) -> Joint:
+def load(path: str | Path) -> Joint:
     """Read and check a joint file.
 
     Raises:
         InputError: in one line the file, the key (or line), what is wrong, what would be right.
     """
-    return read_joint_and_bytes(path)[0]
+    return read_joint(Path(path))
 
 
-def read_joint_and_bytes(path: Path) -> tuple[Joint, bytes]:
-    """Read and check a joint file, and return its bytes too: a pipe can be read but once.
+def parse(text: str, folder: str | Path = ".") -> Joint:
+    """Check the text of a joint file.
+
+    Args:
+        text: what the file would hold.
+        folder: where the paths in it lead from.
 
     Raises:
-        InputError: as `read_joint`.
+        ArgumentError: it is no text; InputError: as `load`.
+    """
+    if not isinstance(text, str):
+        raise ArgumentError("is no text; give what a joint file holds, or load its path", "text")
+    return parse_joint(text, "joint.toml", Path(folder))
+
+
+def read_joint(path: Path) -> Joint:
+    """Read and check a joint file, which may be a pipe: it is read once.
+
+    Raises:
+        InputError: in one line the file, the key (or line), what is wrong, what would be right.
     """
     data = toml.read_bytes(path, _KIND)
-    return parse_joint(toml.decoded(data, str(path)), str(path), path.parent), data
+    joint = parse_joint(toml.decoded(data, str(path)), str(path), path.parent)
+    return replace(joint, content=data)
 
 
 def parse_joint(text: str, source: str, folder: Path = Path()) -> Joint:
@@ -61,11 +77,12 @@ def parse_joint(text: str, source: str, folder: Path = Path()) -> Joint:
     """
     document = toml.parse(text, source, _KIND)
     try:
-        return _joint(JointTable.model_validate(document), source, folder)
+        joint = _joint(JointTable.model_validate(document), source, folder)
     except ValidationError as error:
         raise InputError(f"{source}: {first_problem(error, JointTable)}") from None
     except KeyProblemError as problem:
         raise InputError(f"{source}: {problem}") from None
+    return replace(joint, content=text.encode("utf-8", "surrogateescape"))
 
 
 def _joint(table: JointTable, source: str, folder: Path) -> Joint:

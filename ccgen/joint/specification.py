@@ -197,6 +197,8 @@ class Joint:
     can: Can
     source: str = field(compare=False)
     """The file as the user named it: for messages only, never part of an output."""
+    content: bytes = field(default=b"", compare=False, repr=False)
+    """What the file holds."""
     own_keys: frozenset[str] = field(default=frozenset(), compare=False)
     """Tables of the file for one axis or sensor alone, and the keys in them, in full: "sensors.v",
     "sensors.v.transducer.noise"; `ccgen.joint.places` tells where a value stands."""

@@ -1,16 +1,20 @@
 """One simulated shape of a joint, and what ideal sensors make of it."""
 
+import math
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.joint import Joint
+from ccgen.errors import ArgumentError
+from ccgen.joint import AXES, CASES, Joint
 from ccgen.joint.loads import StatedLoads
 from ccgen.kinematics import tip_pose
 from ccgen.sensing.counts import raw_counts, within
 from ccgen.sensing.readings import length_changes
 from ccgen.shapes import Shapes, single_shape, unstretched
+from ccgen.shapes.given import angle_problem
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -36,34 +40,67 @@ class Simulation:
     """Homogeneous transform in the base frame, shape (4, 4), metres."""
 
 
-def simulate(joint: Joint, case: str, first_segment: float, axis: str = "u") -> Simulation:
-    """Bend one axis of a joint under a load case; the other axis stays straight.
+def simulate(
+    joint: Joint,
+    case: str | None = None,
+    first_segment: float | None = None,
+    axis: str | None = None,
+    loads: StatedLoads | str | Path | None = None,
+    far: bool = False,
+) -> Simulation:
+    """Bend a joint under a load case in one axis, or under stated loads.
 
     Args:
         joint: the specification.
         case: load case, a name of `ccgen.joint.CASES`.
-        first_segment: angle of the first segment, radians, of either sign.
-        axis: "u" or "v".
+        first_segment: angle of the first segment under the load case, radians, of either sign.
+        axis: "u" or "v", the axis that bends under the load case while the other stays straight;
+            by default the first that is estimated.
+        loads: instead of a load case; the path of a TOML file that states them, or as read.
+        far: whether an angle of several times the range of motion is meant; else it is taken for
+            degrees, and refused.
 
     Raises:
-        ReachError: an angle that the load case does not reach.
+        ArgumentError: neither a load case with an angle nor loads, or both; a name or an angle that
+            cannot be. ReachError: an angle that the load case does not reach; loads that buckle
+            the joint or bend a segment by more than 90 degrees. InputError: a wrong file of loads.
     """
+    if loads is not None:
+        for name, value in (("case", case), ("first_segment", first_segment), ("axis", axis)):
+            if value is not None:
+                raise ArgumentError("belongs to a load case; give it or loads, not both", name)
+        return _under_loads(joint, loads)
+    if case is None or first_segment is None:
+        raise ArgumentError(
+            "missing; give a case with the angle of the first segment, or loads",
+            "case" if case is None else "first_segment",
+        )
+    if case not in CASES:
+        raise ArgumentError(f"{case!r} is unknown; known: {', '.join(CASES)}", "case")
+    if axis not in (None, *AXES):
+        raise ArgumentError(f"{axis!r} is unknown; known: {', '.join(AXES)}", "axis")
+    _check_angle(joint, first_segment, far)
     geometry = joint.geometry
     bent = single_shape(geometry.segments, case, first_segment)[None]
     straight = np.zeros_like(bent)
-    u, v = (bent, straight) if axis == "u" else (straight, bent)
+    u, v = (bent, straight) if (axis or joint.axes[0]) == "u" else (straight, bent)
     return sensed(joint, unstretched(u, v, len(geometry.sections), case))
 
 
-def simulate_loads(joint: Joint, loads: StatedLoads) -> Simulation:
-    """Bend a joint under stated loads.
+def _check_angle(joint: Joint, first_segment: float, far: bool) -> None:
+    within = abs(first_segment) <= math.pi / 2
+    problem = None if within and far else angle_problem(joint, first_segment)
+    if problem is not None:
+        raise ArgumentError(problem, "first_segment")
 
-    Raises:
-        ReachError: loads that buckle the joint, or bend a segment by more than 90 degrees.
-    """
+
+def _under_loads(joint: Joint, loads: StatedLoads | str | Path) -> Simulation:
+    from ccgen.joint.load_files import read_loads
     from ccgen.shapes.loads.stated import shape_under
 
-    return sensed(joint, shape_under(loads, joint.geometry.sections, joint.geometry.length))
+    geometry = joint.geometry
+    stated = loads if isinstance(loads, StatedLoads) else read_loads(Path(loads), geometry)
+    return sensed(joint, shape_under(stated, geometry.sections, geometry.length))
 
 
 def sensed(joint: Joint, shape: Shapes) -> Simulation:

@@ -51,6 +51,11 @@ class Shapes:
         """Number S of sections."""
         return int(self.h.shape[1])
 
+    def of_source(self, source: str) -> "Shapes":
+        """The rows that came from one source."""
+        rows = [name == source for name in self.source]
+        return Shapes(self.u[rows], self.v[rows], self.h[rows], (source,) * sum(rows))
+
     @property
     def state(self) -> Floats:
         """State of each row: u of all segments, v of all segments, h; shape (N, 2m + S)."""
@@ -72,6 +77,17 @@ def unstretched(u: ArrayLike, v: ArrayLike, sections: int = 1, source: str = "an
         np.zeros((len(bent), sections)),
         (source,) * len(bent),
     )
+
+
+def bent_alike(angles: ArrayLike, sections: int = 1, source: str = "angles") -> Shapes:
+    """Rows of planar shapes, each in both bending axes at once, for axes that do not meet.
+
+    Args:
+        angles: segment angles, shape (N, m), radians.
+        sections: number of sections.
+        source: of all rows.
+    """
+    return unstretched(angles, angles, sections, source)
 
 
 def joined(parts: Sequence[Shapes]) -> Shapes:

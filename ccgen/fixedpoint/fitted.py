@@ -1,0 +1,139 @@
+"""A fitted joint: its weights with all that follows from them, in floats and in integers."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ccgen.errors import ArgumentError, ReachError
+from ccgen.estimation import FIT_METHODS, ErrorRow, Weights, error_rows, fit_joint
+from ccgen.estimation.estimate import Estimate, estimate
+from ccgen.fixedpoint.formats import quantise
+from ccgen.fixedpoint.model import FixedPointModel
+from ccgen.joint import Joint, Sensor
+from ccgen.shapes import (
+    Shapes,
+    axis_library,
+    bent_alike,
+    fit_shapes,
+    joined,
+    score_library,
+)
+from ccgen.shapes.given import given_shapes, reach
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What was fitted to a joint, and what is exported of it.
+
+    Attributes:
+        joint: the joint.
+        method: name of the estimation method.
+        weights: by output axis; they apply to normalised readings, (l - l0) / (r p).
+        shapes: the rows that the weights were fitted to.
+        sensors: the joint's, with the gains and zeros that the estimate uses.
+    """
+
+    joint: Joint
+    method: str
+    weights: Mapping[str, Weights]
+    shapes: Shapes
+    sensors: tuple[Sensor, ...]
+
+    @cached_property
+    def model(self) -> FixedPointModel:
+        """The integer reference model.
+
+        Its formats hold the shapes; where those are not the joint's own load cases, also the
+        joint at its range of motion, which a few shapes need not reach.
+
+        Raises:
+            FormatError: no format fits; names the sensor, the key and the remedy.
+        """
+        held = self.shapes if self._is_stated else joined([self.shapes, _at_range(self.joint)])
+        return quantise(self.joint, self.weights, held)
+
+    @property
+    def errors(self) -> tuple[ErrorRow, ...]:
+        """How far estimates are from the shapes of each source."""
+        return self._scored[0]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a user should know before relying on the fit."""
+        return self._scored[1]
+
+    def estimate(self, counts: ArrayLike) -> Estimate:
+        """Estimate the joint's state in double precision.
+
+        Args:
+            counts: shape (N, n), in the joint's order of sensors; NaN for no reading.
+
+        Raises:
+            ArgumentError: another form, or lengths in the place of counts.
+        """
+        return estimate(self.joint, self.sensors, self.weights, counts)
+
+    @property
+    def _is_stated(self) -> bool:
+        """Whether all rows are the joint's load cases."""
+        return set(self.shapes.source) == {"cases"}
+
+    @cached_property
+    def _scored(self) -> tuple[tuple[ErrorRow, ...], tuple[str, ...]]:
+        joint, rows, warnings = self.joint, [], []
+        try:
+            cases = dict.fromkeys(joint.axes, score_library(joint))
+            rows += error_rows(joint, self.weights, cases, "cases", held_out=True)
+        except ReachError as error:
+            warnings.append(f"the load cases are left out of the errors: {error}")
+        for source in dict.fromkeys(self.shapes.source):
+            if source == "cases":
+                continue
+            given = self.shapes.of_source(source)
+            rom = joint.geometry.range_of_motion
+            libraries = {axis: axis_library(given, axis, rom) for axis in joint.axes}
+            rows += error_rows(joint, self.weights, libraries, source, held_out=False)
+        share = reach(joint, self.shapes)
+        if share > 1.0 and not self._is_stated:
+            warnings.append(
+                f"the shapes reach {share:.3g} times the range of motion; formats grow with them"
+            )
+        return tuple(rows), tuple(warnings)
+
+
+def _at_range(joint: Joint) -> Shapes:
+    """The joint bent as far as it goes, to either side in both axes at once."""
+    farthest = np.full(joint.geometry.segments, joint.geometry.range_of_motion)
+    sections = len(joint.geometry.sections)
+    return bent_alike(np.array([farthest, -farthest]), sections, "range of motion")
+
+
+def fit(
+    joint: Joint,
+    method: str | None = None,
+    shapes: ArrayLike | Mapping[str, ArrayLike] | Shapes | None = None,
+) -> Fit:
+    """Fit the weights of a joint's estimator.
+
+    Args:
+        joint: the joint.
+        method: one of `ccgen.estimation.FIT_METHODS`, instead of the joint's own.
+        shapes: what to fit to instead of what the joint states: segment angles of shape (N, m) in
+            radians, which both axes take; arrays by axis, {"u": ..., "v": ...}; or
+            `ccgen.Shapes`.
+
+    Raises:
+        ArgumentError: an unknown method, or shapes that are not the joint's; InputError: a method
+            that the joint's sensors do not allow; ReachError: a shape that no load reaches.
+    """
+    if method is not None and method not in FIT_METHODS:
+        raise ArgumentError(
+            f"{method!r} is unknown; give one of {', '.join(FIT_METHODS)}", "method"
+        )
+    rows = fit_shapes(joint) if shapes is None else given_shapes(joint, shapes)
+    sensors = tuple(replace(sensor, zero=sensor.zero or 0) for sensor in joint.sensors)
+    weights = fit_joint(joint, method, rows)
+    return Fit(joint, method or joint.method, weights, rows, sensors)
