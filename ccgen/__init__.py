@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ccgen.cost.costs import cost as cost
     from ccgen.estimation.estimate import Estimate as Estimate
     from ccgen.export.package import export as export
     from ccgen.fixedpoint.fitted import Fit as Fit
@@ -20,8 +21,10 @@ if TYPE_CHECKING:
     from ccgen.joint.file import load as load
     from ccgen.joint.file import parse as parse
     from ccgen.joint.specification import Joint as Joint
+    from ccgen.placement.placed import place as place
     from ccgen.sensing.simulation import simulate as simulate
     from ccgen.shapes.library import Shapes as Shapes
+    from ccgen.verify.target import verify as verify
 
 __version__ = "0.1.0"
 
@@ -36,11 +39,12 @@ _HOMES = {
     "fit": "fixedpoint.fitted",
     "load": "joint.file",
     "parse": "joint.file",
+    "place": "placement.placed",
     "simulate": "sensing.simulation",
 }
 """Modules of the public names."""
 
-_ROOMS = ("export",)
+_ROOMS = ("cost", "export", "verify")
 """Public functions that have a room of their name: the room itself is called."""
 
 __all__ = ["FORMAT_VERSION", "__version__", *_HOMES, *_ROOMS]

@@ -27,6 +27,16 @@ class ArgumentError(InputError):
         return f"{', '.join(self.arguments)}: {self.problem}"
 
 
+def require_least(least: int, argument: str, value: int) -> None:
+    """Refuse a value of an argument that is too small.
+
+    Raises:
+        ArgumentError: naming the argument.
+    """
+    if value < least:
+        raise ArgumentError(f"{value} is too small; give at least {least}", argument)
+
+
 class ReachError(InputError):
     """A bending angle that no point of a load case reaches; names the reachable one."""
 

@@ -7,12 +7,12 @@ import pytest
 from typer.testing import CliRunner
 
 from ccgen.cli.main import app
+from ccgen.cost import costs as measuring
 from ccgen.cost.budget import Budget, excesses
 from ccgen.cost.measure import measure
 from ccgen.cost.stack import read_disassembly, read_frames, worst_case
 from ccgen.errors import CheckError
 from ccgen.export.package import export
-from ccgen.targets import cores
 from ccgen.targets.exported import open_exported
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -116,12 +116,12 @@ def test_over_budget_ends_with_status_1(shoulder):
 
 @pytest.fixture
 def only_cortex_m4(monkeypatch):
-    present = cores.missing_tools
+    present = measuring.missing_tools
 
     def missing(core, to_run=True):
         return present(core, to_run) if core.name == "cortex-m4" else [f"gcc-no-{core.name}"]
 
-    monkeypatch.setattr(cores, "missing_tools", missing)
+    monkeypatch.setattr(measuring, "missing_tools", missing)
 
 
 @pytest.mark.usefixtures("only_cortex_m4")
@@ -154,9 +154,9 @@ def test_a_budget_does_not_pass_on_targets_that_were_left_out(shoulder):
     ("absent", "option"), [("host", "--max-flash"), ("avr", "--max-instructions")]
 )
 def test_a_budget_does_not_miss_what_it_does_not_hold_for(shoulder, monkeypatch, absent, option):
-    monkeypatch.setattr(cores, "COUNTED", (absent, "cortex-m4"))
+    monkeypatch.setattr(measuring, "COUNTED", (absent, "cortex-m4"))
     missing = {absent: ["gcc"], "cortex-m4": []}
-    monkeypatch.setattr(cores, "missing_tools", lambda core, to_run: missing[core.name])
+    monkeypatch.setattr(measuring, "missing_tools", lambda core, to_run: missing[core.name])
     result = run(shoulder, option, 10**6)
     assert result.exit_code == 0, result.stderr
     assert f"left out: {absent}: " in result.stderr

@@ -6,10 +6,10 @@ import pytest
 from typer.testing import CliRunner
 
 from ccgen.cli.main import app
+from ccgen.cost import costs
 from ccgen.cost.readme import BEGIN, END, has_table
 from ccgen.export.manifest import changed_files, replace_file
 from ccgen.export.package import export
-from ccgen.targets import cores
 
 JOINT = Path(__file__).resolve().parent.parent / "examples" / "shoulder.toml"
 
@@ -22,9 +22,9 @@ def folder(tmp_path):
 
 @pytest.fixture
 def one_core(monkeypatch):
-    monkeypatch.setattr(cores, "COUNTED", ("avr", "cortex-m4"))
+    monkeypatch.setattr(costs, "COUNTED", ("avr", "cortex-m4"))
     missing = {"avr": ["gcc-avr"], "cortex-m4": []}
-    monkeypatch.setattr(cores, "missing_tools", lambda core, to_run: missing[core.name])
+    monkeypatch.setattr(costs, "missing_tools", lambda core, to_run: missing[core.name])
 
 
 def run(*arguments, status=0):
@@ -107,7 +107,7 @@ def test_export_writes_nothing_where_it_cannot_measure(tmp_path, monkeypatch):
     result = run("export", JOINT, "-o", tmp_path / "out", "--cost", status=2)
     assert "counting needs unicorn; install it with `pip install 'ccgen[cost]'`" in result.stderr
     monkeypatch.undo()
-    monkeypatch.setattr(cores, "missing_tools", lambda core, to_run: ["gcc-nowhere"])
+    monkeypatch.setattr(costs, "missing_tools", lambda core, to_run: ["gcc-nowhere"])
     result = run("export", JOINT, "-o", tmp_path / "out", "--cost", status=2)
     assert "no target is left to measure" in result.stderr
     assert not (tmp_path / "out").exists()

@@ -15,6 +15,7 @@ from ccgen.errors import ArgumentError, InputError
 from ccgen.fixedpoint import load_model
 from ccgen.joint import CASES
 from ccgen.kinematics import tip_pose
+from ccgen.placement import Constraints, Search
 from ccgen.sensing.counts import raw_counts
 from ccgen.shapes import bent_alike, fit_shapes, score_library, unstretched
 from ccgen.targets.exported import open_exported
@@ -281,3 +282,70 @@ def test_a_joint_that_its_file_does_not_describe_is_not_exported(joint, tmp_path
     with pytest.raises(ArgumentError, match=r"is not what its file says, .*; change the text"):
         ccgen.export(changed, tmp_path / "shoulder")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_placements_are_compared_for_both_axes_at_once(joint):
+    (placed,) = ccgen.place(joint, sensors=3, constraints=Constraints(longest=8))
+    assert (placed.table, placed.axes, placed.estimator) == ("sensors", ("u", "v"), "wam")
+    assert placed.best.method == "search"
+    assert placed.best.optimality == "proven"
+    assert [one.method for one in placed.found][-2:] == ["evolutionary", "search"]
+    assert placed.refused == ()
+    (alone,) = ccgen.place(joint, 3, "heuristic", "v", "noise")
+    assert (alone.table, alone.estimator) == ("sensors.v", "noise-aware")
+    assert alone.best.spans == joint.v.spans
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        ({"sensors": 9}, "sensors: 9 sensors on an axis; a joint file takes 1 to 8"),
+        ({"method": "best"}, "method: 'best' is unknown; give one of single"),
+        ({"axis": "w"}, "axis: 'w' is unknown; give one of u, v"),
+        ({"objective": "tip"}, "objective: 'tip' is unknown; give one of paper, noise"),
+        ({"constraints": Constraints(stacked=0)}, "stacked: at most 0 sensors"),
+        ({"search": Search(starts=0)}, "starts: 0 is too small; give at least 1"),
+        ({"sensors": 1, "constraints": Constraints(longest=3)}, "no placement of 1 sensor"),
+    ],
+)
+def test_what_cannot_be_placed_is_said(joint, arguments, problem):
+    with pytest.raises(InputError, match=problem):
+        ccgen.place(joint, **arguments)
+
+
+@pytest.fixture(scope="module")
+def folder(fit, tmp_path_factory):
+    return ccgen.export(fit, tmp_path_factory.mktemp("python") / "shoulder").directory
+
+
+def test_a_folder_is_verified(folder):
+    done = ccgen.verify(str(folder), snapshots=50, values=2000, optimise="0")
+    assert done.passed
+    assert done.changed == ()
+    assert [run.transport for run in done.runs] == ["batch", "virtual", "slcan-pty"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        ({"target": "z80"}, "target: z80 is unknown; known: host, .*, all"),
+        ({"optimise": "9"}, "optimise: '9' is unknown; give one of 0, s, 2, 3"),
+        ({"snapshots": 0}, "snapshots: 0 is too small"),
+        ({"values": -1}, "values: -1 is too small"),
+        ({"seed": -1}, "seed: -1 is too small"),
+    ],
+)
+def test_what_cannot_be_verified_is_said(folder, arguments, problem):
+    with pytest.raises(ArgumentError, match=problem):
+        ccgen.verify(folder, **arguments)
+
+
+def test_a_folder_is_measured(folder):
+    done = ccgen.cost(folder, "cortex-m4", optimise="s")
+    (cost,) = done.targets
+    assert (cost.target, cost.level, done.left_out) == ("cortex-m4", "-Os", {})
+    assert 0 < cost.times.estimate < cost.times.snapshot
+    with pytest.raises(ArgumentError, match="target: z80 is unknown; known: host, cortex-m0"):
+        ccgen.cost(folder, ["z80"])
+    with pytest.raises(InputError, match=r"manifest\.json: No such file"):
+        ccgen.cost(folder.parent, "cortex-m4")

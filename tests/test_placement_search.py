@@ -18,7 +18,7 @@ from ccgen.placement import (
     Problem,
     Search,
     joint_problem,
-    place,
+    place_by,
     search,
 )
 from ccgen.placement.compare import NEGLIGIBLE, total_length
@@ -184,7 +184,7 @@ def test_every_method_keeps_to_tight_constraints_or_says_that_it_cannot(posed):
     allowed = every_allowed(posed)
     best = min((max(posed.percent(one), NEGLIGIBLE) for one in allowed), default=None)
     quick = Evolution(individuals=20, generations=1), Search(enumerated=0, starts=2)
-    found = [answer(place, posed, method, *quick) for method in METHODS]
+    found = [answer(place_by, posed, method, *quick) for method in METHODS]
     found += [answer(descend, posed, quick[1]), answer(enumerate_all, posed)]
     assert (found[-2] is None) == (found[-1] is None) == (best is None)
     for placement in filter(None, found):
@@ -310,15 +310,15 @@ def test_constraints_that_nothing_meets_are_an_error():
 
 def test_layouts_are_placements_too():
     posed = problem(12, 3.0, 3)
-    found = place(posed, "heuristic")
+    found = place_by(posed, "heuristic")
     assert found.spans == heuristic(12, 3)
     assert found.percent == posed.percent(found.spans)
     with pytest.raises(InputError, match="single has 1 sensor"):
-        place(posed, "single")
+        place_by(posed, "single")
     with pytest.raises(InputError, match="does not keep"):
-        place(problem(12, 3.0, 3, stacked=1), "heuristic")
+        place_by(problem(12, 3.0, 3, stacked=1), "heuristic")
     with pytest.raises(InputError, match="unknown method"):
-        place(posed, "best")
+        place_by(posed, "best")
 
 
 def test_a_joint_file_states_the_noise_of_the_objective():

@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from ccgen.cli.choices import Level, Optimise
-from ccgen.cli.costs import choose_targets, measure_targets, require_counter, show_costs
-from ccgen.cli.output import note, print_json
+from ccgen.cli.costs import note_left_out, show_costs
+from ccgen.cli.output import note, print_json, progress_bars
 from ccgen.errors import ToolError
 
 
@@ -55,18 +55,15 @@ def cost(
     Example:
       ccgen cost firmware/shoulder --target cortex-m4 --max-flash 16384
     """
-    require_counter()
     from ccgen.cost.budget import Budget, excesses
-    from ccgen.targets.exported import open_exported
+    from ccgen.cost.costs import cost as costed
 
-    exported = open_exported(directory)
     budget = Budget(max_flash, max_ram, max_stack, max_instructions)
-    present, left_out = choose_targets(target)
-    costs = measure_targets(exported, present, f"-O{optimise.value}")
+    with progress_bars() as report:
+        done = costed(directory, target, optimise, write, report)
+    note_left_out(done.left_out)
+    costs = done.targets
     if write:
-        from ccgen.cost.readme import write_table
-
-        write_table(exported, costs)
         note(f"wrote the table into {directory / 'README.md'}")
     if json:
         print_json({"targets": [one.record() for one in costs]})
@@ -77,7 +74,7 @@ def cost(
         note(f"over budget: {line}")
     if over:
         raise typer.Exit(1)
-    for name, message in left_out.items():
+    for name, message in done.left_out.items():
         if budget.held_by(name, named=False):
             raise ToolError(
                 f"the budget is not checked on {message}, or name the targets with --target"

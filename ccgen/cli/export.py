@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ccgen.cli.costs import choose_targets, measure_targets, require_counter, show_costs
-from ccgen.cli.output import note, print_json, results, show_table
+from ccgen.cli.costs import note_left_out, show_costs
+from ccgen.cli.output import note, print_json, progress_bars, results, show_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -65,20 +65,19 @@ def export(
         _show(done, load, costs)
 
 
-def _countable_targets() -> list[str]:
-    require_counter()
-    return choose_targets(None)[0]
+def _countable_targets() -> "Sequence[str]":
+    from ccgen.cost.costs import choose
+
+    choice = choose()
+    note_left_out(choice.left_out)
+    return choice.measured
 
 
-def _write_costs(directory: Path, targets: "Sequence[str]") -> "list[Cost]":
-    from ccgen.cost.readme import write_table
-    from ccgen.targets.compiler import LEVEL
-    from ccgen.targets.exported import open_exported
+def _write_costs(directory: Path, targets: "Sequence[str]") -> "Sequence[Cost]":
+    from ccgen.cost.costs import cost as costed
 
-    exported = open_exported(directory)
-    costs = measure_targets(exported, targets, LEVEL)
-    write_table(exported, costs)
-    return costs
+    with progress_bars() as report:
+        return costed(directory, targets, write=True, report=report).targets
 
 
 def _record(done: "Export", load: float) -> dict[str, Any]:

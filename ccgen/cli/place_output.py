@@ -1,7 +1,7 @@
 """What `ccgen place` finds, as a table, as JSON and as lines for the joint file."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ccgen.cli.output import note, print_json, results, show_table
@@ -10,42 +10,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ccgen.joint import Joint
-    from ccgen.placement import Placement, Problem
+    from ccgen.placement import Placed, Placement, Problem
 
 _TELLING = 0.9
 """Largest gap to a lower bound that says something about the placement."""
 
 
-@dataclass(frozen=True)
-class Placed:
-    """Placements for the sensors of one table of the joint file.
-
-    Attributes:
-        table: its name: "sensors", "sensors.u" or "sensors.v".
-        axes: the axes that it is for.
-        problem: what was asked.
-        found: a placement by each method.
-    """
-
-    table: str
-    axes: tuple[str, ...]
-    problem: "Problem"
-    found: "Sequence[Placement]"
-
-    @property
-    def best(self) -> "Placement":
-        """The lowest error; of equals the last, which is the one that may be proven."""
-        from ccgen.placement.compare import NEGLIGIBLE
-
-        return min(reversed(self.found), key=lambda one: max(one.percent, NEGLIGIBLE))
-
-
-def estimator(placed: Sequence[Placed]) -> str:
-    """The estimation method whose errors the placements were judged by."""
-    return "noise-aware" if placed[0].problem.noise else "wam"
-
-
-def show_json(joint: "Joint", placed: Sequence[Placed]) -> None:
+def show_json(joint: "Joint", placed: "Sequence[Placed]") -> None:
     """Print one object: the answer for each axis, and at the top what holds for all of them."""
     axes = {axis: _answer(joint, axis, one) for one in placed for axis in one.axes}
     answers = list(axes.values())
@@ -54,19 +25,19 @@ def show_json(joint: "Joint", placed: Sequence[Placed]) -> None:
         for key, value in answers[0].items()
         if all(other[key] == value for other in answers)
     }
-    method = estimator(placed)
+    method = placed[0].estimator
     objective = "noise" if method == "noise-aware" else "paper"
     print_json({**shared, "objective": objective, "estimator": method, "axes": axes})
 
 
-def show(joint: "Joint", placed: Sequence[Placed]) -> None:
+def show(joint: "Joint", placed: "Sequence[Placed]") -> None:
     """Print a table for each part, and the lines to paste into the joint file."""
     for one in placed:
         _show_table(joint, one)
     chosen = ", ".join(f"{_named(one)}{one.best.method}" for one in placed)
     note(f"the best ({chosen}) for the joint file; spans replace placement and count there:")
     lines = [f"[{one.table}]\nspans = {[list(span) for span in one.best.spans]}" for one in placed]
-    method = estimator(placed)
+    method = placed[0].estimator
     if method != joint.method:
         note(
             f"these are the errors of {method}, not of the file's estimator {joint.method};"
@@ -76,7 +47,7 @@ def show(joint: "Joint", placed: Sequence[Placed]) -> None:
     results().print("\n\n".join(lines), soft_wrap=True)
 
 
-def figure(placed: Sequence[Placed], forbidden: Sequence[int]) -> "Figure":
+def figure(placed: "Sequence[Placed]", forbidden: Sequence[int]) -> "Figure":
     """Draw the spans of all placements along the joint."""
     from ccgen.figures.placement import placement_figure
 
@@ -88,12 +59,12 @@ def figure(placed: Sequence[Placed], forbidden: Sequence[int]) -> "Figure":
     return placement_figure(drawn, placed[0].problem.segments, forbidden)
 
 
-def _named(placed: Placed) -> str:
+def _named(placed: "Placed") -> str:
     """How a method's name begins where the axes are told apart."""
     return f"{placed.axes[0]}: " if len(placed.axes) == 1 else ""
 
 
-def _answer(joint: "Joint", axis: str, placed: Placed) -> dict[str, Any]:
+def _answer(joint: "Joint", axis: str, placed: "Placed") -> dict[str, Any]:
     described = [_describe(joint, axis, placed.problem, one) for one in placed.found]
     return {**described[placed.found.index(placed.best)], "methods": described}
 
@@ -121,7 +92,7 @@ def _describe(
     }
 
 
-def _show_table(joint: "Joint", placed: Placed) -> None:
+def _show_table(joint: "Joint", placed: "Placed") -> None:
     from rich.table import Table
 
     judge = "noise-aware" if placed.problem.noise else "WAM"

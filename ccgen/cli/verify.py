@@ -56,22 +56,19 @@ def verify(
       ccgen verify firmware/shoulder --target cortex-m0 --target cortex-m4 --optimise s
     """
     from ccgen.can.transports.terminal import has_terminals
-    from ccgen.targets.exported import open_exported
-    from ccgen.verify.plan import Plan
-    from ccgen.verify.target import verify_target
+    from ccgen.export.manifest import changed_files
+    from ccgen.verify.target import verify as verified
 
-    exported = open_exported(directory)
-    for file in exported.changed:
+    for file in changed_files(directory):
         note(f"warning: {directory / file} differs from what was exported; export again to undo")
     names = _names(target or ["host"])
     if "host" in names and not has_terminals():
         note("left out: host, slcan-pty: it needs a pseudo-terminal, which this system has not")
-    plan = Plan(snapshots, values, seed)
     runs: list[Run] = []
     try:
         with progress_bars() as report:
             for name in names:
-                runs += verify_target(exported, name, plan, report, f"-O{optimise.value}")
+                runs += verified(directory, name, snapshots, values, optimise, seed, report).runs
     except ToolError:
         if runs and not json:
             _show(runs)

@@ -2,9 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
+from typing import TYPE_CHECKING
 
-from ccgen.cost.measure import Cost
 from ccgen.targets.cores import HOST
+
+if TYPE_CHECKING:
+    from ccgen.cost.measure import Cost
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ class Budget:
         return replace(self, instructions=None) if target == "avr" else self
 
 
-def excesses(costs: Sequence[Cost], budget: Budget, named: bool) -> Iterator[str]:
+def excesses(costs: "Sequence[Cost]", budget: Budget, named: bool) -> Iterator[str]:
     """What is over budget: target, what, and by how much; `named` as in `Budget.held_by`."""
     for cost in costs:
         held = budget.held_by(cost.target, named)

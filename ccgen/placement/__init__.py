@@ -2,14 +2,17 @@
 
 from ccgen.placement.constraints import Constraints
 from ccgen.placement.evolution import Evolution, evolve
-from ccgen.placement.methods import METHODS, place
+from ccgen.placement.methods import METHODS, place_by
+from ccgen.placement.placed import OBJECTIVES, Placed, place
 from ccgen.placement.problem import Placement, Problem, check_placeable, joint_problem
 from ccgen.placement.search import Search, search
 
 __all__ = [
     "METHODS",
+    "OBJECTIVES",
     "Constraints",
     "Evolution",
+    "Placed",
     "Placement",
     "Problem",
     "Search",
@@ -17,5 +20,6 @@ __all__ = [
     "evolve",
     "joint_problem",
     "place",
+    "place_by",
     "search",
 ]

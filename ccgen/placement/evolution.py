@@ -18,12 +18,12 @@ import numpy as np
 from deap import algorithms, base, tools
 from deap.tools import crossover, mutation, selection
 
-from ccgen.errors import InputError
+from ccgen.errors import InputError, require_least
 from ccgen.joint.layouts import Spans, heuristic
 from ccgen.placement.compare import best_of
 from ccgen.placement.objective import Floats, Indices
 from ccgen.placement.problem import Placement, Problem
-from ccgen.placement.settings import Report, require_least, silent
+from ccgen.placement.settings import Report, silent
 
 WORST = 200.0
 """Fitness of an invalid individual: 2 ROM for every angle, in % of ROM."""

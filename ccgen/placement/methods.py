@@ -10,7 +10,7 @@ from ccgen.placement.settings import Report, silent
 METHODS = (*LAYOUTS, "evolutionary", "search")
 
 
-def place(
+def place_by(
     problem: Problem,
     method: str,
     evolution: Evolution | None = None,

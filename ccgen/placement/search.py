@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ccgen.errors import InputError
+from ccgen.errors import InputError, require_least
 from ccgen.joint.layouts import Spans, end_to_end, heuristic
 from ccgen.placement.bound import lower_bound
 from ccgen.placement.compare import best_of, within
@@ -14,7 +14,7 @@ from ccgen.placement.descent import BROKEN, Descent
 from ccgen.placement.exhaustive import Walk, count_allowed, covering
 from ccgen.placement.objective import Indices
 from ccgen.placement.problem import Placement, Problem, as_spans
-from ccgen.placement.settings import Report, require_least, silent
+from ccgen.placement.settings import Report, silent
 
 _FINALISTS = 32
 """Best placements met whose objective is computed again without approximation."""

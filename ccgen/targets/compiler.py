@@ -7,7 +7,7 @@ import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
-from ccgen.errors import InputError, ToolError
+from ccgen.errors import ArgumentError, InputError, ToolError
 
 WARNINGS = (
     "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Wdouble-promotion",
@@ -20,6 +20,19 @@ LEVELS = ("-O0", "-Os", "-O2", "-O3")
 
 LEVEL = "-O2"
 """The level of optimisation unless another is asked for."""
+
+
+def level_named(optimise: str) -> str:
+    """The compiler's option for a level such as "2" or "s".
+
+    Raises:
+        ArgumentError: it is none of `LEVELS`.
+    """
+    level = f"-O{optimise}"
+    if level not in LEVELS:
+        known = ", ".join(one.removeprefix("-O") for one in LEVELS)
+        raise ArgumentError(f"{optimise!r} is unknown; give one of {known}", "optimise")
+    return level
 
 
 def compiler() -> list[str]:

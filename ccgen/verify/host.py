@@ -22,7 +22,7 @@ from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 
 
-def verify(exported: Exported, plan: Plan, report: Progress, level: str = LEVEL) -> list[Run]:
+def verify_host(exported: Exported, plan: Plan, report: Progress, level: str = LEVEL) -> list[Run]:
     """Batches through the shared library, then both buses; a record each.
 
     The node as a process of its own is left out where there are no pseudo-terminals for its line.
