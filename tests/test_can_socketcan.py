@@ -62,4 +62,4 @@ def test_socketcan_needs_the_name_of_an_interface(capsys):
     with pytest.raises(SystemExit) as end:
         main(["bridge", str(EXAMPLE), "--interface", "socketcan"])
     assert end.value.code == 2
-    assert "name a network interface, such as can0, with --channel" in capsys.readouterr().err
+    assert "name a network interface, such as can0, as channel" in capsys.readouterr().err

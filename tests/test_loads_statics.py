@@ -3,10 +3,10 @@
 import casadi as ca
 import numpy as np
 import pytest
+from test_beam import equilibrium
 
 from ccgen.errors import ReachError
 from ccgen.joint.loads import Contact, StatedLoads
-from ccgen.shapes import beam
 from ccgen.shapes.loads import mesh as meshes
 from ccgen.shapes.loads import planar, spatial
 from ccgen.shapes.loads.continuation import LIMITED, LOST, REACHED, Limit, raise_loads
@@ -64,7 +64,7 @@ def test_planar_reference_shapes_are_met_to_a_ten_thousandth(loads, degrees):
 @pytest.mark.parametrize(("force", "uniform", "moment"), [(20, 0, 0), (0, 10, 0), (5, 0, -2.5)])
 def test_the_collocated_beam_bends_alike(force, uniform, moment):
     """`ccgen.shapes.beam` solves theta'' = -(F + q (1 - s)) cos(theta), theta'(1) = M."""
-    other = beam.equilibrium(force, uniform, moment)
+    other = equilibrium(force, uniform, moment)
     expected = np.diff(other.angles(np.arange(13) / 12))
     _, v = bend(
         tip_force=(force, 0.0, 0.0), distributed=(uniform, 0.0, 0.0), tip_moment=(0.0, moment)

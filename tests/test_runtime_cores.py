@@ -12,8 +12,8 @@ from ccgen import resources
 from ccgen.cost.emulator import CORES, Program
 from ccgen.cost.link import link
 from ccgen.fixedpoint import AxisModel
-from ccgen.targets import cores as cross
 from ccgen.targets.compiler import WARNINGS, run_compiler
+from ccgen.targets.cores import core_named, require_tools
 
 BUILDS = [
     *(("cortex-m0", level) for level in ("-O0", "-Os", "-O2")),
@@ -84,9 +84,10 @@ def test_a_shift_that_is_read_at_run_time_gives_the_same_bits_on_cortex_m0(level
 
 
 def build(source, core, level, folder, names):
-    cross.require_tools(core)
+    target = core_named(core)
+    require_tools(target)
     compiler = [
-        *cross.CORES[core].compile, "-std=c99", level, *WARNINGS, "-Wno-missing-prototypes",
+        *target.compile, "-std=c99", level, *WARNINGS, "-Wno-missing-prototypes",
         f"-I{resources.firmware() / 'include'}", "-ffunction-sections", "-fdata-sections",
     ]  # fmt: skip
     roots = [*names, "zero", "counts", "angles"]
@@ -142,7 +143,7 @@ def test_the_estimator_of_precision_16_needs_no_arithmetic_from_a_library(joint,
     source = folder.directory / "src" / f"{folder.joint.name}.c"
     target = tmp_path / "estimator.o"
     include = f"-I{folder.directory / 'src'}"
-    compiler = [*cross.CORES["cortex-m0"].compile, "-O2", include]
+    compiler = [*core_named("cortex-m0").compile, "-O2", include]
     run_compiler([*compiler, "-c", str(source), "-o", str(target)], tmp_path, compiler[0])
     command = ["arm-none-eabi-nm", "-u", str(target)]
     needed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()

@@ -7,7 +7,8 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parents[1]
 
 _SOURCES = (
-    *("joint/__init__.py", "joint/layouts.py", "joint/specification.py", "shapes"),
+    *("double_double", "joint/__init__.py", "joint/layouts.py", "joint/loads.py"),
+    *("joint/specification.py", "shapes"),
     *("sensing/__init__.py", "sensing/noise.py", "sensing/readings.py"),
     *("estimation", "placement", "study/joints.py", "study/paper.py"),
 )

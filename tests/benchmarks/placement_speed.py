@@ -88,7 +88,7 @@ class Watch:
 def evolve_batched(problem):
     start = time.process_time()
     watch = Watch(evolution.fitnesses)
-    evolution.values = watch
+    evolution.fitnesses = watch
     found = evolution.evolve(problem, evolution.Evolution(seed=1))
     return watch, time.process_time() - start, found.percent
 
