@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 """Version of what generator and C runtime agree on; `CCGEN_FORMAT_VERSION` in C."""
 
 _HOMES = {

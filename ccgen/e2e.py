@@ -74,7 +74,8 @@ class Profile:
         Args:
             data_id: 0..65535.
             counter: 0..`counter_modulus` - 1.
-            data: the whole frame; what its header holds is replaced.
+            data: the whole frame; checksum and counter in it are replaced. The high nibble beside
+                the counter of P01 is payload and stays.
 
         Raises:
             ValueError: data ID or counter out of range, or a frame shorter than its header.
@@ -85,7 +86,8 @@ class Profile:
             raise ValueError(f"counter {counter} is not within 0..{self.counter_modulus - 1}")
         if len(data) < self.header_bytes:
             raise ValueError(f"{len(data)} bytes cannot hold a header of {self.header_bytes}")
-        covered = bytes((counter,)) + data[self.header_bytes :]
+        beside = data[self.crc_bytes] & ~self.counter_mask
+        covered = bytes((beside | counter,)) + data[self.header_bytes :]
         return self.checksum(data_id, covered).to_bytes(self.crc_bytes, "little") + covered
 
     def check(self, data_id: int, data: Bytes) -> int:

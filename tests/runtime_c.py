@@ -66,6 +66,8 @@ def load(flags: tuple[str, ...] = ("-O1", *UNDEFINED)) -> ctypes.CDLL:
     library.ccgen_layout_lengths_frames.restype = ctypes.c_uint8
     library.ccgen_layout_angles_frames.restype = ctypes.c_uint8
     library.ccgen_layout_status_index.restype = ctypes.c_uint16
+    library.ccgen_layout_numbers.restype = ctypes.c_uint16
+    library.ccgen_layout_window_max_us.restype = ctypes.c_uint32
     library.ccgen_snapshot_age_ms.restype = ctypes.c_uint8
     library.ccgen_tip_signal.restype = ctypes.c_int16
     library.ccgen_tip_signal.argtypes = (ctypes.c_float, ctypes.c_uint8)
@@ -110,6 +112,7 @@ class Layout(ctypes.Structure):
         ("base_id", ctypes.c_uint32),
         ("extended", ctypes.c_bool),
         ("fd", ctypes.c_bool),
+        ("turn", ctypes.c_bool),
         ("sensors_u", ctypes.c_uint8),
         ("sensors_v", ctypes.c_uint8),
         ("segments", ctypes.c_uint8),

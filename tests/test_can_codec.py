@@ -19,6 +19,7 @@ from ccgen.export.dbc import dbc_text
 CLASSIC = FrameLayout("shoulder", 0x300, False, False, 3, 3, 12, 2, 2, 10, 17)
 LAYOUTS = {
     "classic": CLASSIC,
+    "without turn": replace(CLASSIC, turn=False),
     "32-bit": replace(CLASSIC, segments=48, sensors_u=6, sensors_v=8, count_bytes=4, angle_bytes=4),
     "24-bit": replace(CLASSIC, count_bytes=3, angle_bytes=4),
     "fd": replace(CLASSIC, fd=True),
@@ -53,21 +54,49 @@ def test_counts_come_back_from_their_frames(name, data):
     limit = 1 << (8 * layout.count_bytes - 1)
     number = layout.sensors_u + layout.sensors_v
     counts = data.draw(st.lists(st.integers(-limit, limit - 1), min_size=number, max_size=number))
-    counter = data.draw(st.integers(0, layout.counter_modulus - 1))
-    frames = codec.encode(counts, counter)
+    sent = data.draw(st.integers(0, layout.numbers - 1))
+    frames = codec.encode(counts, sent)
     decoded = [codec.decode(frame) for frame in frames]
     assert [value for d in decoded for value in d.values] == counts
-    assert [(d.kind, d.index, d.counter) for d in decoded] == [
-        ("lengths", k, counter) for k in range(layout.lengths_frames)
+    assert [(d.kind, d.index, d.number) for d in decoded] == [
+        ("lengths", k, sent) for k in range(layout.lengths_frames)
     ]
 
 
-@pytest.mark.parametrize("name", ["classic", "fd"])
-def test_another_implementation_accepts_the_protection(name):
+@pytest.mark.parametrize("name", ["classic", "without turn", "fd"])
+def test_another_implementation_accepts_the_protection_of_every_number(name):
     check = e2e.p05.e2e_p05_check if LAYOUTS[name].fd else e2e.p01.e2e_p01_check
-    for frame in CODECS[name].encode([1, -2, 3, -4, 5, -6], 7):
-        assert check(bytearray(frame.data), frame.arbitration_id)
-        assert len(frame.data) == LAYOUTS[name].frame_bytes
+    for number in range(LAYOUTS[name].numbers):
+        for frame in CODECS[name].encode([1, -2, 3, -4, 5, -6], number):
+            assert check(bytearray(frame.data), frame.arbitration_id)
+            assert len(frame.data) == LAYOUTS[name].frame_bytes
+
+
+def test_the_turn_lies_beside_the_counter_in_frames_of_snapshots_alone(codec):
+    for kind in ("lengths", "angles", "tip"):
+        frame = codec.encode_frame(kind, 0, [1, 2, 3], 14 * 15 + 3)
+        assert frame.data[1] == 0xE3
+        assert codec.decode(frame).number == 14 * 15 + 3
+    status = codec.encode_frame("status", 0, [1, 2, 3, 4], 14)
+    assert (status.data[1], codec.decode(status).number) == (0x0E, 14)
+
+
+def test_without_the_turn_what_a_sender_leaves_beside_the_counter_is_not_read():
+    frame = CODECS["classic"].encode([1, 2, 3, 4, 5, 6], 14 * 15 + 3)[0]
+    decoded = CODECS["without turn"].decode(frame)
+    assert (decoded.number, decoded.values) == (3, (1, 2, 3))
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "number"),
+    [
+        ("classic", "tip", 240), ("classic", "tip", -1), ("classic", "status", 15),
+        ("without turn", "tip", 15), ("fd", "tip", 256), ("fd", "status", -1),
+    ],
+)  # fmt: skip
+def test_a_number_that_there_is_not_is_refused(name, kind, number):
+    with pytest.raises(ValueError, match=f"SHOULDER_{kind.upper()}"):
+        CODECS[name].encode_frame(kind, 0, [1, 2, 3] + [4] * (kind == "status"), number)
 
 
 def test_counts_lie_little_endian_behind_the_header(codec):

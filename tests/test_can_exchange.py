@@ -1,6 +1,7 @@
 """Snapshots and answers: matched, timed out, counted; against a node written in Python."""
 
 from collections import deque
+from dataclasses import replace
 from types import SimpleNamespace
 
 import cantools
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 from ccgen.can.codec import Codec
-from ccgen.can.exchange import Pace, exchange
+from ccgen.can.exchange import Pace, exchange, fresh_start
 from ccgen.can.layout import FrameLayout
 from ccgen.export.dbc import dbc_text
 
@@ -48,14 +49,18 @@ class PythonNode:
         self.now = self.status_due = 0.0
         self.samples = self.statuses = 0
         self.parts, self.outgoing = {}, deque()
+        self.heard = []  # (time, number) of every LENGTHS frame
 
     def perf_counter(self):
         return self.now
 
+    monotonic = perf_counter
+
     def send(self, message, timeout=None):
         decoded = self.codec.decode(message)
-        self.parts.setdefault(decoded.counter, {})[decoded.index] = decoded.values
-        self.outgoing.extend(self.answer(decoded.counter))
+        self.heard.append((self.now, decoded.number))
+        self.parts.setdefault(decoded.number, {})[decoded.index] = decoded.values
+        self.outgoing.extend(self.answer(decoded.number))
 
     def recv(self, timeout):
         if not self.outgoing and self.status_due <= self.now + timeout:
@@ -70,21 +75,21 @@ class PythonNode:
         values = [self.samples % 2**16, 0, 0, 0]
         return self.codec.encode_frame("status", 0, values, (self.statuses - 1) % 15)
 
-    def answer(self, counter):
-        parts = self.parts[counter]
+    def answer(self, number):
+        parts = self.parts[number]
         if len(parts) < LAYOUT.lengths_frames:
             return []
-        del self.parts[counter]
+        del self.parts[number]
         self.samples += 1
         self.status_due = self.now + CYCLE
         angles = expected([c for k in sorted(parts) for c in parts[k]]).tolist()
         frames = [
-            self.codec.encode_frame("angles", k, angles[3 * k : 3 * k + 3], counter)
+            self.codec.encode_frame("angles", k, angles[3 * k : 3 * k + 3], number)
             if k < 2
-            else self.codec.encode_frame("angles", k, angles[6:], counter)
+            else self.codec.encode_frame("angles", k, angles[6:], number)
             for k in range(LAYOUT.angles_frames)
         ]
-        tip = self.codec.encode_frame("tip", 0, [self.samples, 0, -1], counter)
+        tip = self.codec.encode_frame("tip", 0, [self.samples, 0, -1], number)
         return self.spoil(self.samples, [*frames, tip, self.status()])
 
 
@@ -128,6 +133,45 @@ def test_answers_are_told_as_they_come(node):
     assert [answer.tip for answer in told] == [(k, 0, -1) for k in range(1, 6)]
     assert told[-1].lost_frames == 0
     assert told[-1].status is not None
+
+
+def test_numbers_come_round_after_240(node):
+    counts = snapshots(500)
+    result = run(node, counts, pace=Pace(first=235))
+    np.testing.assert_array_equal(result.angles, expected(counts))
+    assert [number for _, number in node.heard[::2]] == [(235 + k) % 240 for k in range(500)]
+    assert result.lost_frames == 0
+
+
+@pytest.mark.parametrize(("silence", "least"), [(None, CYCLE), (0.5, 0.5), (0.0, 0.0)])
+def test_a_sender_keeps_silent_before_its_first_frame(node, silence, least):
+    """A window of the layout unless told otherwise, and for a status in any case."""
+    node.now = 3.0
+    run(node, snapshots(5), pace=Pace(silence=silence))
+    assert least <= node.heard[0][0] - 3.0 < least + 2 * CYCLE
+
+
+@pytest.mark.parametrize("turn", [True, False])
+def test_a_sender_that_starts_again_begins_with_a_number_that_was_not_just_seen(turn, node):
+    """Runs with pauses of any length between them, none faster than a snapshot a cycle."""
+    layout = replace(LAYOUT, turn=turn)
+    node.codec, heard = codec_for(layout), []
+    for pause in (0.0, 1e-4, CYCLE, 0.3, 2.37, 2.4, 2.41, 1000.0, 0.0):
+        node.now += pause
+        pace = fresh_start(layout, Pace(rate_hz=1 / CYCLE, in_flight=14))
+        exchange(node, node.codec, snapshots(7), pace)
+        heard, node.heard = [*heard, *node.heard[::2]], []
+    assert len(heard) == 63
+    for k, (now, number) in enumerate(heard):
+        recent = {n for at, n in heard[:k] if now - at < CYCLE * layout.seen_cycles}
+        assert number not in recent
+
+
+def test_a_sender_faster_than_the_cycle_keeps_silent_for_the_widest_window(node):
+    for pace in (Pace(), Pace(rate_hz=1.01 / CYCLE)):
+        begin, node.heard = node.now, []
+        run(node, snapshots(5), pace=fresh_start(LAYOUT, pace))
+        assert 0.999 < (node.heard[0][0] - begin) / (100 * CYCLE) < 1.02
 
 
 def test_snapshots_leave_at_the_rate_asked_for(node):
@@ -189,7 +233,7 @@ def test_a_node_that_leaves_out_a_frame_every_time_ends_in_bounded_time(node):
 
 
 def test_where_nobody_answers_every_frame_is_lost(node):
-    node.status_due, node.answer = np.inf, lambda counter: []
+    node.status_due, node.answer = np.inf, lambda number: []
     result = run(node, snapshots(30))
     assert result.lost_frames == 30 * PER_SNAPSHOT
     assert (result.complete.any(), result.rate_hz) == (False, 0.0)
@@ -209,7 +253,7 @@ def test_one_stall_of_all_that_is_in_flight_does_not_end_the_exchange(node):
     assert result.complete[24:].all()
 
 
-@pytest.mark.parametrize("in_flight", [0, 15])
-def test_more_in_flight_than_counters_are_refused(in_flight):
-    with pytest.raises(ValueError, match="1 to 14 work"):
+@pytest.mark.parametrize("in_flight", [0, 240])
+def test_more_in_flight_than_numbers_are_refused(in_flight):
+    with pytest.raises(ValueError, match="1 to 239 work"):
         exchange(SimpleNamespace(), codec_for(LAYOUT), snapshots(1), Pace(in_flight=in_flight))

@@ -36,6 +36,7 @@ layouts = st.builds(
     angle_bytes=st.sampled_from((2, 4)),
     cycle_ms=st.integers(1, 1000),
     tip_fraction_bits=st.integers(0, 20),
+    turn=st.booleans(),
 )
 
 
@@ -83,6 +84,26 @@ def test_can_fd_holds_thirty_angles_a_frame():
     fd = replace(LAYOUT, fd=True)
     assert fd.angles_per_frame == 30
     assert [frame.kind for frame in fd.frames] == ["lengths", "angles", "tip", "status"]
+
+
+def test_the_turn_stands_beside_the_counter_in_all_but_status():
+    places = {
+        frame.kind: {s.name: (s.start, s.bits) for s in frame.signals} for frame in LAYOUT.frames
+    }
+    assert all(places[kind]["turn"] == (12, 4) for kind in ("lengths", "angles", "tip"))
+    for layout in (replace(LAYOUT, turn=False), replace(LAYOUT, fd=True)):
+        assert not any(s.name == "turn" for frame in layout.frames for s in frame.signals)
+
+
+@pytest.mark.parametrize(
+    ("fd", "turn", "numbers", "latest", "window"),
+    [(False, True, 240, 120, 100), (False, False, 15, 8, 6), (True, True, 256, 128, 100)],
+)
+def test_a_late_frame_and_a_window_fit_into_the_numbers(fd, turn, numbers, latest, window):
+    layout = replace(LAYOUT, fd=fd, turn=turn)
+    assert (layout.numbers, layout.latest_cycles, layout.window_cycles) == (numbers, latest, window)
+    assert layout.seen_cycles < numbers
+    assert layout.window_max_us == window * layout.cycle_us
 
 
 @given(layouts)

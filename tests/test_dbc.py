@@ -14,6 +14,7 @@ from ccgen.export.dbc import dbc_text
 CLASSIC = FrameLayout("shoulder", 0x300, False, False, 3, 3, 12, 2, 2, 10, 17)
 LAYOUTS = {
     "classic": CLASSIC,
+    "without turn": replace(CLASSIC, turn=False),
     "wide": replace(CLASSIC, segments=48, sensors_u=6, sensors_v=8, count_bytes=4, angle_bytes=4),
     "24-bit": replace(CLASSIC, count_bytes=3, angle_bytes=4),
     "fd": replace(CLASSIC, fd=True),
@@ -74,9 +75,12 @@ def test_scales_are_si_and_exact():
 
 def test_a_frame_decodes_to_physical_values():
     tip = DATABASES["classic"].get_message_by_name("SHOULDER_TIP")
-    data = bytes((0, 3)) + (2**15).to_bytes(2, "little") + (0x4000).to_bytes(2, "little") + b"\1\0"
+    data = (
+        bytes((0, 0xE3)) + (2**15).to_bytes(2, "little") + (0x4000).to_bytes(2, "little") + b"\1\0"
+    )
     assert tip.decode(data) == {
-        "crc": 0, "counter": 3, "tip_x": "no reading", "tip_y": 0.125, "tip_z": 2.0**-17,
+        "crc": 0, "counter": 3, "turn": 14,
+        "tip_x": "no reading", "tip_y": 0.125, "tip_z": 2.0**-17,
     }  # fmt: skip
 
 

@@ -124,7 +124,8 @@ void board_read_counts({name}_count_t *u, {name}_count_t *v);
 void board_alarm(void);
 void board_use(float bending, const float *position);
 bool board_can_read(ccgen_frame_t *frame);
-void board_can_write(const ccgen_frame_t *frame);
+bool board_can_write(const ccgen_frame_t *frame);
+void board_can_interrupt(void);
 uint32_t board_time_us(void);
 """
 
@@ -133,7 +134,7 @@ uint32_t board_time_us(void);
 @pytest.mark.parametrize("name", ["finger", "trunk"])
 def test_the_main_loops_in_the_readme_compile(exported, name, compiler, tmp_path):
     loops = re.findall(r"```c\n(.*?)```", (exported / name / "README.md").read_text(), re.DOTALL)
-    assert len(loops) == 2
+    assert len(loops) == 3
     for loop in loops:
         headers, rest = re.match(r"((?:#include [^\n]*\n)+)(.*)", loop, re.DOTALL).groups()
         board = f'#include "{name}_can.h"\n' + BOARD.format(name=name)

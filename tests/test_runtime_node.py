@@ -42,16 +42,20 @@ class Node:
             sent.payload(), ctypes.c_uint32(now),
         )  # fmt: skip
 
-    def send(self, counter: int, counts: tuple[int, ...], now: int) -> int:
+    def send(self, number: int, counts: tuple[int, ...], now: int) -> int:
         """All LENGTHS frames; the last one's result."""
         share, length = (30, 64) if self.fd else (3, 8)
+        turn, counter = (0, number) if self.fd else divmod(number, 15)
         result = 0
         for slot, first in enumerate(range(0, len(counts), share)):
             body = np.array(counts[first : first + share], "<i2").tobytes()
-            unprotected = (bytes(3 if self.fd else 2) + body).ljust(length, b"\0")
-            data = self.profile.protect(BASE + slot, counter, unprotected)
+            header = bytes(3) if self.fd else bytes((0, turn << 4))
+            data = self.profile.protect(BASE + slot, counter, (header + body).ljust(length, b"\0"))
             result = self.receive(frame(BASE + slot, data, fd=self.fd), now)
         return result
+
+    def unsent(self) -> int:
+        return self.c.ccgen_shared_node_unsent(self.state)
 
     def fetch(self, now: int, at_most: int = 1000) -> list[Frame]:
         """What the node sends, checked as a receiver does."""
@@ -71,14 +75,15 @@ class Node:
             fetched.append(got)
         return fetched
 
-    def counter_of(self, got: Frame) -> int:
-        return got.data[2] if self.fd else got.data[1] & 0x0F
+    def number_of(self, got: Frame) -> int:
+        """Of a snapshot; a STATUS frame's own counter."""
+        return got.data[2] if self.fd else (got.data[1] & 0x0F) + 15 * (got.data[1] >> 4)
 
     def status_of(self, got: Frame) -> Status:
         start = 3 if self.fd else 2
         samples, missing = np.frombuffer(got.payload()[start : start + 4], "<u2").tolist()
         return Status(
-            self.counter_of(got), samples, missing, got.data[start + 4], got.data[start + 5]
+            self.number_of(got), samples, missing, got.data[start + 4], got.data[start + 5]
         )
 
     def status(self, now: int) -> Status:
@@ -113,10 +118,19 @@ def test_a_snapshot_is_answered_by_angles_tip_and_status():
     assert node.send(7, COUNTS, 100) == 1
     answer = node.fetch(200)
     assert [got.id for got in answer] == [*range(ANGLES, TIP), TIP, STATUS]
-    assert {node.counter_of(got) for got in answer[:-1]} == {7}
+    assert {node.number_of(got) for got in answer[:-1]} == {7}
     assert signals(answer[:8], 2, 24) == expected_angles(COUNTS)
     assert node.status_of(answer[-1]) == Status(counter=1, samples=1, missing=0, faults=0, age=0)
     assert node.fetch(300) == []
+
+
+@pytest.mark.parametrize("number", [0, 14, 15, 16, 200, 239])
+def test_an_answer_repeats_the_number_of_its_snapshot_and_status_has_turn_0(number):
+    node = Node()
+    node.send(number, COUNTS, 0)
+    *answer, status = node.fetch(0)
+    assert {(got.data[1] >> 4, got.data[1] & 0x0F) for got in answer} == {divmod(number, 15)}
+    assert (status.id, status.data[1] >> 4) == (STATUS, 0)
 
 
 def test_fd_answers_in_64_byte_frames_under_p05():
@@ -125,7 +139,7 @@ def test_fd_answers_in_64_byte_frames_under_p05():
     assert node.send(200, COUNTS, 100) == 1
     answer = node.fetch(200)
     assert [got.id for got in answer] == [0x301, 0x302, 0x303]
-    assert [node.counter_of(got) for got in answer] == [200, 200, 1]
+    assert [node.number_of(got) for got in answer] == [200, 200, 1]
     assert signals(answer[:1], 3, 24) == expected_angles(COUNTS)
     assert answer[0].payload()[3 + 48 :] == bytes(13)
     assert node.status_of(answer[2]) == Status(counter=1, samples=1, missing=0, faults=0, age=0)
@@ -150,7 +164,7 @@ def test_a_missing_sensor_gives_no_angles_and_the_status_says_which():
     node.fetch(0)
     assert node.send(1, (100, -32768, 300, 1, 2, 20001), CYCLE) == -2
     answer = node.fetch(CYCLE)
-    assert [node.counter_of(got) for got in answer[:-1]] == [1] * 9
+    assert [node.number_of(got) for got in answer[:-1]] == [1] * 9
     assert signals(answer[:8], 2, 24) == [-32768] * 24
     assert signals(answer[8:9], 2, 3) == [-32768] * 3
     status = node.status_of(answer[-1])
@@ -177,10 +191,105 @@ def test_the_status_says_what_was_wrong_once(mishap, fault):
     node = Node()
     node.send(5, COUNTS, 0)
     node.fetch(0)
-    good = P01.protect(BASE, 5, bytes(8))
+    good = P01.protect(BASE, 5, bytes(2) + np.array(COUNTS[:3], "<i2").tobytes())
     assert node.receive(mishap(good), 100) == 0
     assert node.status(2 * CYCLE).faults == fault
     assert node.status(3 * CYCLE).faults == 0
+
+
+def test_a_status_that_could_not_be_sent_comes_again_with_all_its_faults():
+    node = Node()
+    node.send(5, COUNTS, 0)
+    node.fetch(0)
+    node.receive(frame(BASE, b"\1" * 8), 1)
+    for k in range(3):
+        (got,) = node.fetch(2 * CYCLE + k, at_most=1)
+        assert node.status_of(got) == Status(1, 1, 0, CRC, 20)
+        assert (node.unsent(), node.unsent()) == (1, 0)
+        node.receive(frame(BASE, b"\1"), 2 * CYCLE + k) if k == 2 else None
+    (got,) = node.fetch(2 * CYCLE + 3)
+    assert node.status_of(got) == Status(1, 1, 0, CRC | FORMAT, 20)
+    assert (node.unsent(), node.fetch(2 * CYCLE + 4)) == (0, [])
+    assert node.status(3 * CYCLE + 3) == Status(2, 1, 0, STALE, 30)
+
+
+def test_a_status_counts_as_sent_at_the_next_call_of_transmit():
+    """What happens between the two is told by the next, the same fault again too."""
+    node = Node()
+    node.send(5, COUNTS, 0)
+    node.fetch(0)
+    node.receive(frame(BASE, b"\1" * 8), 1)
+    (got,) = node.fetch(2 * CYCLE, at_most=1)
+    assert node.status_of(got).faults == CRC
+    node.receive(frame(BASE, b"\1" * 8), 2 * CYCLE + 1)
+    assert node.status(3 * CYCLE).faults == CRC
+    assert node.status(4 * CYCLE).faults == STALE
+
+
+@pytest.mark.parametrize("fd", [False, True])
+def test_every_frame_of_an_answer_comes_again_as_often_as_it_is_taken_back(fd):
+    node, twin = Node(fd), Node(fd)
+    for one in (node, twin):
+        one.fetch(0)
+        one.receive(frame(BASE, b"\1", fd=fd), 50)
+        one.send(77, COUNTS, 100)
+    expected = [(got.id, got.payload()) for got in twin.fetch(200)]
+    got = []
+    while frames := node.fetch(200, at_most=1):
+        again = [frames[0], *(node.fetch(200, at_most=1)[0] for _ in range(3) if node.unsent())]
+        assert len({one.payload() for one in again}) == 1
+        got.append((again[-1].id, again[-1].payload()))
+    assert got == expected
+    assert node.counters() == twin.counters()
+
+
+def test_an_answer_that_a_newer_snapshot_replaced_does_not_come_again():
+    node = Node()
+    node.fetch(0)
+    node.send(0, COUNTS, 0)
+    node.fetch(0, at_most=4)
+    node.send(1, (1, 2, 3, 4, 5, 6), CYCLE)
+    assert node.unsent() == 0
+    answer = node.fetch(CYCLE)
+    assert [got.id for got in answer] == [*range(ANGLES, TIP), TIP, STATUS]
+    assert {node.number_of(got) for got in answer[:-1]} == {1}
+
+
+def test_a_status_taken_back_after_a_newer_snapshot_keeps_its_faults_and_its_counter():
+    node = Node()
+    node.fetch(0)
+    node.receive(frame(BASE, b"\1" * 8), 1)
+    node.send(0, COUNTS, 2)
+    last = node.fetch(2, at_most=10)[-1]
+    assert node.status_of(last) == Status(1, 1, 0, CRC, 0)
+    node.send(1, COUNTS, CYCLE)
+    assert node.unsent() == 1
+    answer = node.fetch(CYCLE)
+    assert [got.id for got in answer] == [*range(ANGLES, TIP), TIP, STATUS]
+    assert node.status_of(answer[-1]) == Status(1, 2, 0, CRC, 0)
+    assert node.counters()["snapshots"] == 2
+    assert "overruns" not in node.counters()
+
+
+def test_nothing_can_be_taken_back_where_nothing_was_handed_out():
+    node = Node()
+    assert node.unsent() == 0
+    node.fetch(0)
+    assert node.unsent() == 0  # the last call of transmit gave nothing
+
+
+@pytest.mark.parametrize("start", [0, 2**32 - 400_000])
+def test_stamps_that_lag_behind_the_loop_by_5_microseconds_do_no_harm(start):
+    node, statuses = Node(), []
+    node.fetch(start)
+    for k in range(1, 1001):
+        now = start + k * CYCLE
+        statuses += [got for got in node.fetch(now) if got.id == STATUS]
+        assert node.send(k % 240, COUNTS, now - 5) == 1
+        statuses += [got for got in node.fetch(now - 5) if got.id == STATUS]
+    assert node.counters() == {"snapshots": 1000, "estimates": 1000}
+    assert len(statuses) >= 1000
+    assert {node.status_of(got).faults for got in statuses} == {0}
 
 
 def test_faults_of_several_kinds_accumulate():
@@ -216,7 +325,7 @@ def test_a_steady_sender_gets_one_status_a_snapshot_in_spite_of_jitter():
     statuses, k = 0, 0
     for now in range(0, 600_000, 250):
         if k < len(due) and now >= due[k]:
-            assert node.send(k % 15, COUNTS, now) == 1
+            assert node.send(k, COUNTS, now) == 1
             k += 1
         if k < len(due):
             statuses += sum(got.id == STATUS for got in node.fetch(now))
@@ -254,7 +363,7 @@ def test_an_estimate_that_was_not_fetched_is_replaced_and_counted():
     node.send(1, (1, 2, 3, 4, 5, 6), CYCLE)
     answer = node.fetch(CYCLE)
     assert signals(answer[:8], 2, 24) == expected_angles((1, 2, 3, 4, 5, 6))
-    assert {node.counter_of(got) for got in answer[:-1]} == {1}
+    assert {node.number_of(got) for got in answer[:-1]} == {1}
     assert node.counters() == {"snapshots": 2, "estimates": 2, "overruns": 1}
 
 
@@ -272,6 +381,16 @@ def test_a_node_can_widen_its_window():
     first = frame(BASE, P01.protect(BASE, 0, bytes(8)))
     assert node.c.ccgen_shared_node_set_window(node.state, 900_000) == 0
     assert (node.receive(first, 0), node.receive(late, 900_000)) == (0, 1)
+
+
+def test_a_node_has_no_window_wider_than_100_cycles():
+    node = Node()
+    set_window = node.c.ccgen_shared_node_set_window
+    assert set_window(node.state, 100 * CYCLE) == 0
+    assert set_window(node.state, 100 * CYCLE + 1) == -1
+    late = frame(BASE + 1, P01.protect(BASE + 1, 0, bytes(8)))
+    first = frame(BASE, P01.protect(BASE, 0, bytes(8)))
+    assert (node.receive(first, 0), node.receive(late, 100 * CYCLE)) == (0, 1)
 
 
 def test_own_frames_heard_back_do_no_harm():
@@ -293,6 +412,7 @@ def test_null_pointers_are_refused():
     assert c.ccgen_shared_node_transmit(node.state, 0, None, some, some, some, some) == -1
     assert c.ccgen_shared_node_counters(node.state, None) == -1
     assert c.ccgen_shared_node_set_window(None, 1) == -1
+    assert c.ccgen_shared_node_unsent(None) == -1
     assert c.ccgen_shared_shape(None) == -1
 
 

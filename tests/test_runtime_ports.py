@@ -29,22 +29,23 @@ ANSWER = 10  # 8 ANGLES, TIP, STATUS
 OPEN = b"C\rS8\r\rO\r"
 CYCLE_MS = 10
 AGE, OLDEST = 7, 255  # of the latest snapshot: its place in STATUS, milliseconds at most
-WINDOW = ("--window-ms", "60000")  # a loaded machine may pause this test between two frames
+PATIENT = ("--patient",)  # a loaded machine may pause this test between two frames
 
 
-def lengths(counter: int, counts: tuple[int, ...] = COUNTS) -> list[tuple[int, bytes]]:
+def lengths(number: int, counts: tuple[int, ...] = COUNTS) -> list[tuple[int, bytes]]:
     """The two LENGTHS frames of a snapshot."""
-    body = np.array(counts, "<i2").tobytes()
+    body, (turn, counter) = np.array(counts, "<i2").tobytes(), divmod(number % 240, 15)
     halves = ((0x300, body[:6]), (0x301, body[6:]))
-    return [(id_, P01.protect(id_, counter, bytes(2) + half)) for id_, half in halves]
+    header = bytes((0, turn << 4))
+    return [(id_, P01.protect(id_, counter, header + half)) for id_, half in halves]
 
 
 def line(id_: int, data: bytes) -> bytes:
     return b"t%03X%d" % (id_, len(data)) + data.hex().encode() + b"\r"
 
 
-def snapshot(counter: int) -> bytes:
-    return b"".join(line(*sent) for sent in lengths(counter))
+def snapshot(number: int) -> bytes:
+    return b"".join(line(*sent) for sent in lengths(number))
 
 
 def frames_in(output: bytes) -> list[tuple[int, bytes]]:
@@ -109,7 +110,7 @@ def on_pseudo_terminal(*arguments: str) -> Iterator[tuple[int, subprocess.Popen[
     near, far = pty.openpty()
     try:
         tty.setraw(far)  # no echo before the node has set it
-        with process(build_program("posix"), os.ttyname(far), *WINDOW, *arguments) as running:
+        with process(build_program("posix"), os.ttyname(far), *arguments) as running:
             os.write(near, OPEN)
             assert read_until(near, lambda said: len(said) >= 4).startswith(b"\r" * 4)
             yield near, running
@@ -120,7 +121,7 @@ def on_pseudo_terminal(*arguments: str) -> Iterator[tuple[int, subprocess.Popen[
 
 def test_a_script_on_standard_input_is_answered_to_its_end():
     script = OPEN + b"".join(snapshot(k) for k in range(15)) + b"V\r"
-    done = run(*WINDOW, stdin=script)
+    done = run(*PATIENT, stdin=script)
     assert (done.returncode, done.stderr) == (0, b"")
     assert answers_in(done.stdout) == [expected()] * 15
     assert done.stdout.endswith(b"V0101\r")
@@ -132,9 +133,9 @@ def test_a_closed_channel_carries_no_frames():
 
 
 def test_answers_follow_their_snapshot_on_a_pseudo_terminal():
-    with on_pseudo_terminal() as (near, _):
+    with on_pseudo_terminal(*PATIENT) as (near, _):
         for k in range(30):
-            os.write(near, snapshot(k % 15))
+            os.write(near, snapshot(k))
             assert answers_in(read_answer(near)) == [expected()]
 
 
@@ -185,12 +186,13 @@ def test_status_comes_every_cycle_while_the_channel_is_open():
     def aged(output: bytes) -> bool:
         return b"t30A8" in output and statuses_in(output)[-1][AGE] == OLDEST
 
-    output, steps, deadline = b"", [], time.monotonic() + PATIENCE
-    with on_pseudo_terminal() as (near, _):
+    output, steps, deadline, number = b"", [], time.monotonic() + PATIENCE, 0
+    with on_pseudo_terminal("--window-ms", "1000") as (near, _):
         # A busy machine delays most of them, but never all, and brings none forward.
         while min(steps, default=OLDEST) > 1.5 * CYCLE_MS:
             assert time.monotonic() < deadline, steps
-            os.write(near, snapshot(0))
+            os.write(near, snapshot(number))
+            number += 1
             output += read_until(near, aged)
             ages = [data[AGE] for data in statuses_in(output)]
             steps = [b - a for a, b in pairwise(ages) if a < b < OLDEST]
@@ -227,8 +229,8 @@ def exchange(fd: int, data: bytes, answers: int) -> bytes:
 def test_a_host_that_does_not_listen_loses_nothing():
     """It sends until the line stalls, far beyond what the buffers hold, and only then reads."""
     total = 4000
-    data = b"".join(snapshot(k % 15) for k in range(total))
-    with on_pseudo_terminal() as (near, running):
+    data = b"".join(snapshot(k) for k in range(total))
+    with on_pseudo_terminal(*PATIENT) as (near, running):
         sent = write_until_stalled(near, data)
         assert 0 < sent < len(data)
         output = exchange(near, data[sent:], total)
@@ -244,7 +246,7 @@ def test_garbage_under_the_sanitizers_neither_ends_nor_confuses_it():
     noise = b"\r".join(draw.choice(alphabet, draw.integers(0, 300)).tobytes() for _ in range(2000))
     raw = draw.integers(0, 256, 50_000, dtype=np.uint8).tobytes()
     script = OPEN + noise + raw + b"\r" * 2 + OPEN + snapshot(3)
-    done = run(*WINDOW, stdin=script, flags=("-O0", *ADDRESS))
+    done = run(*PATIENT, stdin=script, flags=("-O0", *ADDRESS))
     assert (done.returncode, done.stderr) == (0, b"")
     assert answers_in(done.stdout)[-1] == expected()
 
@@ -254,6 +256,7 @@ def test_garbage_under_the_sanitizers_neither_ends_nor_confuses_it():
     [
         (("--fd",), "--fd"), (("--fd", "x"), "--fd"), (("--fd", "-1"), "--fd"),
         (("--window-ms", "0"), "--window-ms"), (("--window-ms", "1x"), "--window-ms"),
+        (("--window-ms", "1001"), "--window-ms needs 1 to 1000"),
         (("--unknown",), "--unknown"), (("/dev/null", "/dev/zero"), "/dev/zero"),
         (("/nowhere/tty",), "No such file"), (("/dev/null",), "terminal"),
     ],
@@ -276,6 +279,17 @@ def test_help_is_on_standard_output():
     done = run("--help")
     assert (done.returncode, done.stderr) == (0, b"")
     assert b"--window-ms" in done.stdout
+    assert b"--patient" in done.stdout
+
+
+def test_a_patient_node_leaves_a_held_up_sender_its_time():
+    """1.2 seconds are past the widest window by the machine's clock, and 12 cycles by its own."""
+    with on_pseudo_terminal(*PATIENT) as (near, _):
+        first, second = (line(*sent) for sent in lengths(0))
+        os.write(near, first)
+        time.sleep(1.2)
+        os.write(near, second)
+        assert answers_in(read_answer(near)) == [expected()]
 
 
 def wire(id_: int, data: bytes, fd: bool = False) -> bytes:
@@ -316,7 +330,7 @@ def receive_answer(near: socket.socket, tip: int) -> list[tuple[int, bytes]]:
 def test_socketcan_frames_are_answered():
     with on_socket() as (near, running):
         for k in range(20):
-            for sent in lengths(k % 15):
+            for sent in lengths(k):
                 near.send(wire(*sent))
             got = receive_answer(near, 0x30A)
             assert [id_ for id_, _ in got] == list(range(0x302, 0x30B))
@@ -355,7 +369,10 @@ def socketcan(*arguments: str) -> subprocess.CompletedProcess[bytes]:
     return subprocess.run([program, *arguments], capture_output=True, timeout=PATIENCE, check=False)
 
 
-@pytest.mark.parametrize("window", [(), ("--window-ms", "1"), ("--window-ms", "300000")])
+@pytest.mark.parametrize(
+    "window",
+    [(), ("--window-ms", "1"), ("--window-ms", "1000"), PATIENT],
+)
 def test_socketcan_names_an_interface_that_is_not_there(window):
     done = socketcan(*window, "vcan_none")
     assert done.returncode == 2
@@ -368,7 +385,8 @@ def test_socketcan_names_an_interface_that_is_not_there(window):
         ((), "INTERFACE"), (("-x",), "INTERFACE"), (("can0", "can1"), "INTERFACE"),
         (("--window-ms", "5"), "INTERFACE"), (("--window-ms",), "--window-ms"),
         (("--window-ms", "0", "can0"), "--window-ms"),
-        (("--window-ms", "300001", "can0"), "--window-ms"),
+        (("--window-ms", "1001", "can0"), "--window-ms needs 1 to 1000"),
+        (("--patient",), "INTERFACE"), (("--window-ms", "9", "--patient"), "INTERFACE"),
         (("--window-ms", "1x", "can0"), "--window-ms"), (("--window-ms", "", "x"), "--window-ms"),
     ],
 )  # fmt: skip

@@ -51,8 +51,8 @@ class Answers:
         if decoded.kind == "status":
             self.statuses.append(decoded)
             return True
-        modulus = self.exported.layout.counter_modulus
-        snapshot = sent - 1 - (sent - 1 - decoded.counter) % modulus
+        numbers = self.exported.layout.numbers
+        snapshot = sent - 1 - (sent - 1 - decoded.number) % numbers
         key = (snapshot, decoded.kind, decoded.index)
         self.repeated += key in self.frames
         self.frames[key] = decoded.values
@@ -145,9 +145,7 @@ def converse(bus: can.BusABC, answers: list[Answers], counts: list[np.ndarray]) 
 
 def interleaved(answers: list[Answers], counts: list[np.ndarray], k: int) -> list[can.Message]:
     frames = [
-        answer.exported.codec.encode(
-            each[k].tolist(), counter=k % answer.exported.layout.counter_modulus
-        )
+        answer.exported.codec.encode(each[k].tolist(), number=k % answer.exported.layout.numbers)
         for answer, each in zip(answers, counts, strict=True)
     ]
     turns = itertools.zip_longest(*frames)

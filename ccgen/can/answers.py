@@ -53,6 +53,6 @@ class StatusStream:
     def take(self, decoded: Decoded) -> None:
         """Append a status and count those between it and the one before."""
         if self.counter is not None:
-            self.lost += (decoded.counter - self.counter - 1) % self.modulus
-        self.counter = decoded.counter
+            self.lost += (decoded.number - self.counter - 1) % self.modulus
+        self.counter = decoded.number
         self.seen.append(status_of(decoded))

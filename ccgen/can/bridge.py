@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.can.codec import Codec
-from ccgen.can.exchange import Answer, Exchange, Pace, exchange
+from ccgen.can.exchange import Answer, Exchange, Pace, exchange, fresh_start
 from ccgen.can.layout import FAULTS, tip_fraction_bits
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.joint import AXES, Joint
@@ -144,8 +144,11 @@ def bridge(
     transport: str,
     on_answer: Callable[[Answer], None] | None = None,
 ) -> Summary:
-    """Send a stream at its rate and sum up what came back."""
-    pace = Pace(rate_hz=stream.rate_hz)
+    """Send a stream at its rate and sum up what came back.
+
+    A sender that ran before on this bus may have been another: see `fresh_start`.
+    """
+    pace = fresh_start(codec.layout, Pace(rate_hz=stream.rate_hz))
     return _summary(stream, transport, exchange(bus, codec, stream.counts, pace, on_answer))
 
 

@@ -27,13 +27,13 @@ class Decoded:
     Attributes:
         kind: which sort of frame.
         index: which one of its kind, from 0.
-        counter: the header's.
+        number: of its snapshot; a STATUS frame's own counter.
         values: the payload's raw values in the order of the layout.
     """
 
     kind: Kind
     index: int
-    counter: int
+    number: int
     values: tuple[int, ...]
 
 
@@ -53,6 +53,10 @@ class _Entry:
     index: int
     message: DbcMessage
     names: tuple[str, ...]
+
+    @property
+    def has_turn(self) -> bool:
+        return any(signal.quantity == "turn" for signal in self.spec.signals)
 
 
 def read_database(path: Path) -> Database:
@@ -93,15 +97,16 @@ class Codec:
         self._entries = {entry.spec.id: entry for entry in _entries(layout, database)}
         self._lengths = [e for e in self._entries.values() if e.spec.kind == "lengths"]
 
-    def encode(self, counts: Sequence[int], counter: int) -> list[can.Message]:
+    def encode(self, counts: Sequence[int], number: int) -> list[can.Message]:
         """LENGTHS frames of one snapshot.
 
         Args:
             counts: shape (nu + nv,), Python integers, u sensors first.
-            counter: 0..`counter_modulus` - 1.
+            number: of the snapshot, 0..`numbers` - 1 of the layout.
 
         Raises:
-            ValueError: wrong number of counts, or one that its signal cannot hold.
+            ValueError: wrong number of counts, one that its signal cannot hold, or a number that
+                there is not.
         """
         if len(counts) != self.layout.sensors_u + self.layout.sensors_v:
             raise ValueError(f"{len(counts)} counts for {len(self._lengths)} LENGTHS frames")
@@ -109,15 +114,15 @@ class Codec:
         for entry in self._lengths:
             part = counts[first : first + len(entry.names)]
             first += len(entry.names)
-            messages.append(self._message(entry, part, counter))
+            messages.append(self._message(entry, part, number))
         return messages
 
     def encode_frame(
-        self, kind: Kind, index: int, values: Sequence[int], counter: int
+        self, kind: Kind, index: int, values: Sequence[int], number: int
     ) -> can.Message:
         """One frame of any kind, for what plays the node's part."""
         entry = self._entries[self.layout.frames_of(kind)[index].id]
-        return self._message(entry, values, counter)
+        return self._message(entry, values, number)
 
     def decode(self, message: can.Message) -> Decoded | None:
         """Check and decode one frame.
@@ -141,14 +146,21 @@ class Codec:
         signals = entry.message.decode_simple(
             bytes(message.data), decode_choices=False, scaling=False
         )
-        values = tuple([signals[name] for name in entry.names])
-        return Decoded(entry.spec.kind, entry.index, counter, cast("tuple[int, ...]", values))
+        values = cast("tuple[int, ...]", tuple([signals[name] for name in entry.names]))
+        turn = cast("int", signals.get("turn", 0))
+        number = turn * self.layout.counter_modulus + counter
+        return Decoded(entry.spec.kind, entry.index, number, values)
 
     def _well_formed(self, message: can.Message) -> bool:
         return len(message.data) == self.layout.frame_bytes and message.is_fd == self.layout.fd
 
-    def _message(self, entry: _Entry, values: Sequence[int], counter: int) -> can.Message:
+    def _message(self, entry: _Entry, values: Sequence[int], number: int) -> can.Message:
+        turn, counter = divmod(number, self.layout.counter_modulus)
         signals = dict(zip(entry.names, values, strict=True), crc=0, counter=counter)
+        if entry.has_turn:
+            signals["turn"] = turn
+        elif turn != 0:
+            raise ValueError(f"{entry.spec.name} has no number {number}")
         try:
             data = entry.message.encode(signals, scaling=False, strict=False)
         except (OverflowError, cantools.Error) as error:

@@ -1,14 +1,18 @@
 """Snapshots to a node and its answers back, with every frame that fails to come counted.
 
-The node answers a snapshot with its ANGLES frames and TIP, under the snapshot's counter. A frame
+The node answers a snapshot with its ANGLES frames and TIP, under the snapshot's number. A frame
 is lost when it has not come by the time a later snapshot is answered in full, or when the time-out
 passes. STATUS frames come with every answer and, once a cycle, without one; they count themselves,
 so one is lost where their counter jumps, or where none ever reports the last snapshot.
+
+Each exchange is a sender that starts anew: it keeps silent for a window of the layout before its
+first frame. Where the node may have a wider one, `Pace.first` must be a number that the bus has
+not just seen; `fresh_number` gives one.
 """
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from operator import or_
 
@@ -18,6 +22,7 @@ from numpy.typing import NDArray
 
 from ccgen.can.answers import PendingAnswer, StatusStream
 from ccgen.can.codec import Codec, Status
+from ccgen.can.layout import FrameLayout
 from ccgen.can.transports.slcan import BlockSlcanBus
 
 Integers = NDArray[np.int64]
@@ -37,13 +42,18 @@ class Pace:
 
     Attributes:
         rate_hz: snapshots a second; None for as fast as answers come.
-        in_flight: snapshots that wait for their answer at the same time, fewer than 15.
+        in_flight: snapshots that wait for their answer at the same time, fewer than there are
+            numbers.
         timeout: seconds until an answer's missing frames are lost.
+        first: number of the first snapshot.
+        silence: seconds without a frame before the first; None for the layout's window.
     """
 
     rate_hz: float | None = None
     in_flight: int = 4
     timeout: float = 5.0
+    first: int = 0
+    silence: float | None = None
 
 
 @dataclass(frozen=True)
@@ -110,6 +120,20 @@ class Exchange:
         return reduce(or_, (status.faults for status in self.statuses), 0)
 
 
+def fresh_start(layout: FrameLayout, pace: Pace) -> Pace:
+    """The pace with a first number and a silence that no node takes for those of a former sender.
+
+    Numbers follow the machine's clock, one a cycle, so that a sender which sends no faster than
+    that and starts again goes on with a number that its former self has not reached. A faster one
+    has to keep silent for the widest window that a node may have.
+    """
+    cycle = 1e-3 * layout.cycle_ms
+    followed = pace.rate_hz is not None and pace.rate_hz * cycle <= 1.0
+    silence = cycle if followed else cycle * layout.window_cycles
+    number = int((time.monotonic() + silence) / cycle) % layout.numbers
+    return replace(pace, first=number, silence=silence)
+
+
 def exchange(
     bus: can.BusABC,
     codec: Codec,
@@ -147,8 +171,8 @@ class _Run:
         on_answer: OnAnswer | None,
     ) -> None:
         layout = codec.layout
-        if not 1 <= pace.in_flight < layout.counter_modulus:
-            raise ValueError(f"{pace.in_flight} in flight; 1 to {layout.counter_modulus - 1} work")
+        if not 1 <= pace.in_flight < layout.numbers:
+            raise ValueError(f"{pace.in_flight} in flight; 1 to {layout.numbers - 1} work")
         self.bus, self.codec, self.layout = bus, codec, layout
         self.pace, self.on_answer = pace, on_answer
         self.counts: list[list[int]] = counts.tolist()
@@ -165,13 +189,17 @@ class _Run:
         self.gone = ""
 
     def listen_for_status(self) -> None:
-        """Learn from an idle node how many snapshots it has seen; none may come."""
+        """Learn in silence how many snapshots an idle node has seen; it may never tell."""
         cycles = 1e-3 * self.layout.cycle_ms * _LISTEN_CYCLES
-        patience = time.perf_counter() + self.pace.timeout + cycles
-        while self.first_sample is None and time.perf_counter() < patience and not self._gone():
-            self._receive(cycles)
+        silence = self.pace.silence
+        now = time.perf_counter()
+        quiet = now + (1e-6 * self.layout.window_us if silence is None else silence)
+        patience = max(quiet, now + self.pace.timeout + cycles)
+        while now < (patience if self.first_sample is None else quiet) and not self._gone():
+            self._receive(cycles if self.first_sample is None else quiet - now)
             if self.statuses.seen:
                 self.first_sample = self.statuses.seen[-1].sample_counter
+            now = time.perf_counter()
 
     def stream(self) -> None:
         """Send and receive until every snapshot is answered or given up."""
@@ -231,6 +259,10 @@ class _Run:
         behind = self.first_sample + self.answered - self.statuses.seen[-1].sample_counter
         return behind % 2**16 in (0, *range(2**15, 2**16))
 
+    def _number(self, index: int) -> int:
+        """Number of a snapshot on the bus."""
+        return (self.pace.first + index) % self.layout.numbers
+
     def _may_send(self, now: float) -> bool:
         return self._free() and now >= self._due()
 
@@ -249,9 +281,9 @@ class _Run:
         return max(0.0, min(moments, default=now) - now)
 
     def _send(self, now: float) -> None:
-        counter = self.sent % self.layout.counter_modulus
-        frames = self.codec.encode(self.counts[self.sent], counter)
-        self.pending[counter] = PendingAnswer(self.sent, now, [None] * (self.answer_frames - 1))
+        number = self._number(self.sent)
+        frames = self.codec.encode(self.counts[self.sent], number)
+        self.pending[number] = PendingAnswer(self.sent, now, [None] * (self.answer_frames - 1))
         self.sent += 1
         try:
             if isinstance(self.bus, BlockSlcanBus):
@@ -274,7 +306,7 @@ class _Run:
         if decoded.kind == "status":
             self.statuses.take(decoded)
             return
-        pending = self.pending.get(decoded.counter)
+        pending = self.pending.get(decoded.number)
         if pending is None or not pending.store(decoded):
             self.unexpected += 1
         elif pending.received == self.answer_frames:
@@ -296,7 +328,7 @@ class _Run:
             self.on_answer(Answer(pending.index, angles, tip, lost, status))
 
     def _close(self, pending: PendingAnswer) -> None:
-        del self.pending[pending.index % self.layout.counter_modulus]
+        del self.pending[self._number(pending.index)]
         self.lost += self.answer_frames - pending.received
         self.answered += pending.received > 0
         self.failed = 0 if pending.received == self.answer_frames else self.failed + 1

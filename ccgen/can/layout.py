@@ -6,6 +6,10 @@ length (8 bytes, or 64 on CAN FD) and open with the header of an end-to-end prof
 classic CAN (CRC-8, 4-bit counter), P05 on CAN FD (CRC-16, 8-bit counter). Signals follow the
 header without gaps, little-endian; bytes left over are zero. The most negative value of a signed
 signal means: no reading.
+
+Every sending of the sensors has a number, which LENGTHS, ANGLES and TIP carry: on CAN FD the
+counter; on classic CAN `turn * 15 + counter`, where the turn lies in the nibble that P01 leaves to
+the payload, or the counter alone where senders cannot set it. A STATUS frame counts itself.
 """
 
 from collections.abc import Iterable, Iterator
@@ -18,12 +22,31 @@ from ccgen.joint import Joint
 
 Kind = Literal["lengths", "angles", "tip", "status"]
 Quantity = Literal[
-    "crc", "counter", "length_u", "length_v", "angle_u", "angle_v", "tip",
+    "crc", "counter", "turn", "length_u", "length_v", "angle_u", "angle_v", "tip",
     "sample_counter", "missing_sensors", "faults", "age",
 ]  # fmt: skip
 
-FAULTS = ("CRC", "FORMAT", "REPEATED", "REORDERED", "LOST", "LATE", "MISSING", "STALE")
-"""Names of the bits of the STATUS frame's `faults`, bit 0 first."""
+FAULT_MEANINGS = {
+    "CRC": "a LENGTHS frame had a wrong check value; it was ignored",
+    "FORMAT": "a LENGTHS frame had a wrong kind, length or counter; it was ignored",
+    "REPEATED": "a LENGTHS frame was there already; it was ignored",
+    "REORDERED": "a LENGTHS frame was older than the newest snapshot; it was ignored",
+    "LOST": "a snapshot stayed incomplete, or numbers were skipped",
+    "LATE": "a snapshot's frames spread over more than the window; it was dropped",
+    "MISSING": "a sensor's count was out of its range",
+    "STALE": "no complete snapshot for more than three cycles",
+}
+"""What the bits of the STATUS frame's `faults` say, bit 0 first."""
+
+FAULTS = tuple(FAULT_MEANINGS)
+"""Names of those bits."""
+
+WINDOW_CYCLES = 100
+"""Widest window of a snapshot in cycles: a frame may be late by half the numbers, and a window must
+fit into the rest of them."""
+
+WINDOW_CYCLES_WITHOUT_TURN = 6
+"""The same where the number is the counter of P01 alone."""
 
 MISSING_V_BIT = 8
 """Bit of `missing_sensors` where the v sensors begin; the u sensors begin at bit 0."""
@@ -64,8 +87,8 @@ class FrameSpec:
 
     @property
     def payload(self) -> tuple[Signal, ...]:
-        """The signals behind the header."""
-        return self.signals[2:]
+        """The signals that are not of the header."""
+        return tuple(s for s in self.signals if s.quantity not in ("crc", "counter", "turn"))
 
 
 @dataclass(frozen=True)
@@ -83,6 +106,7 @@ class FrameLayout:
     angle_bytes: int
     cycle_ms: int
     tip_fraction_bits: int
+    turn: bool = True
 
     @property
     def frame_bytes(self) -> int:
@@ -98,6 +122,41 @@ class FrameLayout:
     def counter_modulus(self) -> int:
         """Values that the header's counter takes: 15 for P01, 256 for P05."""
         return 256 if self.fd else 15
+
+    @property
+    def has_turn(self) -> bool:
+        """Whether numbers have a turn beside the counter of P01."""
+        return self.turn and not self.fd
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers there are: 256 on CAN FD, else 240, or 15 without the turn."""
+        return 16 * self.counter_modulus if self.has_turn else self.counter_modulus
+
+    @property
+    def latest_cycles(self) -> int:
+        """Cycles after its sending in which a frame must have arrived: fewer than these."""
+        return (self.numbers + 1) // 2
+
+    @property
+    def seen_cycles(self) -> int:
+        """Cycles after its sending in which a number must not come round."""
+        return self.latest_cycles + self.window_cycles
+
+    @property
+    def spare_numbers(self) -> int:
+        """How far the numbers of a sender may run ahead of the cycles, in any `seen_cycles`."""
+        return self.numbers - self.seen_cycles
+
+    @property
+    def window_cycles(self) -> int:
+        """Widest window that a node may have, in cycles."""
+        return WINDOW_CYCLES if self.fd or self.turn else WINDOW_CYCLES_WITHOUT_TURN
+
+    @property
+    def window_max_us(self) -> int:
+        """Widest window that a node may have, microseconds."""
+        return self.window_cycles * self.cycle_us
 
     @property
     def cycle_us(self) -> int:
@@ -167,14 +226,25 @@ class FrameLayout:
     ) -> FrameSpec:
         name = f"{self.name.upper()}_{kind.upper()}{suffix}"
         header = _P05_HEADER if self.fd else _P01_HEADER
+        if self.has_turn and kind != "status":
+            header = (*header, _TURN)
         signals = (*header, *_packed(8 * self.header_bytes, payload))
         return FrameSpec(frame_id, name, kind, signals)
 
 
 _Field = tuple[str, Quantity, int, bool]
 
-_P01_HEADER = (Signal("crc", 0, 8, False, "crc"), Signal("counter", 8, 4, False, "counter"))
-_P05_HEADER = (Signal("crc", 0, 16, False, "crc"), Signal("counter", 16, 8, False, "counter"))
+_Header = tuple[Signal, ...]
+
+_P01_HEADER: _Header = (
+    Signal("crc", 0, 8, False, "crc"),
+    Signal("counter", 8, 4, False, "counter"),
+)
+_P05_HEADER: _Header = (
+    Signal("crc", 0, 16, False, "crc"),
+    Signal("counter", 16, 8, False, "counter"),
+)
+_TURN = Signal("turn", 12, 4, False, "turn")
 _STATUS: tuple[_Field, ...] = (
     ("sample_counter", "sample_counter", 16, False),
     ("missing_sensors", "missing_sensors", 16, False),
@@ -241,6 +311,7 @@ def layout_for(joint: Joint, ranges: CountRanges) -> FrameLayout:
         angle_bytes=joint.precision // 8,
         cycle_ms=joint.can.cycle_ms,
         tip_fraction_bits=tip_fraction_bits(joint.geometry.length),
+        turn=joint.can.turn,
     )
     largest = LARGEST_ID[layout.extended]
     if layout.last_id > largest:

@@ -29,8 +29,8 @@ def snapshots(exported: Exported) -> Integers:
 def frames(exported: Exported, counts: Integers) -> list[list[can.Message]]:
     """LENGTHS frames of every snapshot."""
     codec = exported.codec
-    modulus = exported.layout.counter_modulus
-    return [codec.encode(row, k % modulus) for k, row in enumerate(counts.tolist())]
+    numbers = exported.layout.numbers
+    return [codec.encode(row, k % numbers) for k, row in enumerate(counts.tolist())]
 
 
 def source(exported: Exported) -> str:

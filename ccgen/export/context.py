@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ccgen import FORMAT_VERSION, __version__
-from ccgen.can.layout import FrameLayout
+from ccgen.can.layout import FAULT_MEANINGS, FrameLayout
 from ccgen.can.load import load_percent
 from ccgen.digits import at_least
 from ccgen.estimation import ErrorRow, noise_gain
@@ -90,6 +90,7 @@ def can_context(layout: FrameLayout, joint: Joint) -> dict[str, Any]:
     """The layout of the frames, and the table of them for the folder's README."""
     return {
         "layout": layout,
+        "faults": list(FAULT_MEANINGS.items()),
         "bitrate": joint.can.bitrate,
         "bus_load_percent": at_least(load_percent(layout, joint.can.bitrate)),
         "profile": "P05" if layout.fd else "P01",

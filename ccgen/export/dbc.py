@@ -133,9 +133,9 @@ def _signal(signal: frames.Signal, meaning: _Meaning, receivers: list[str]) -> S
 
 
 _FRAME_COMMENTS: dict[Kind, str] = {
-    "lengths": "Sensor counts; all LENGTHS frames of one snapshot carry the same counter.",
-    "angles": "Bending of every segment; carries the counter of its snapshot.",
-    "tip": "Tip position in the base frame; carries the counter of its snapshot.",
+    "lengths": "Sensor counts; all LENGTHS frames of one snapshot carry the same number.",
+    "angles": "Bending of every segment; carries the number of its snapshot.",
+    "tip": "Tip position in the base frame; carries the number of its snapshot.",
     "status": "State of the estimator, every cycle; its counter advances by one a frame.",
 }
 
@@ -148,6 +148,7 @@ def _meanings(
     return {
         "crc": _Meaning(1, None, "CRC-16 CCITT-FALSE" if layout.fd else "CRC-8 SAE J1850"),
         "counter": _Meaning(1, None, f"0 to {layout.counter_modulus - 1}, then 0 again"),
+        "turn": _Meaning(1, None, "Turns of the counter: number = turn * 15 + counter"),
         "length_u": _length(joint.sensors[0].metres_per_count, layout),
         "length_v": _length(joint.sensors[-1].metres_per_count, layout),
         "angle_u": _angle("x", model.u.fraction_bits, layout),

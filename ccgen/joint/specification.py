@@ -172,6 +172,8 @@ class Can:
     bitrate: int
     """Bits per second; on CAN FD that of the arbitration."""
     cycle_ms: int
+    turn: bool = True
+    """Whether senders set the turn that numbers their snapshots on classic CAN."""
 
 
 @dataclass(frozen=True)

@@ -206,6 +206,7 @@ class CanTable(Table):
     cycle_ms: int = Field(
         default=10, ge=1, le=1000, description="milliseconds, from 1 to 1000", examples=[10]
     )
+    turn: bool = Field(default=True, description="true or false", examples=[True])
 
 
 class JointTable(Table):

@@ -9,12 +9,6 @@
 #include "shoulder_can.h"
 #include "wrist_can.h"
 
-/*
- * Time within which a snapshot's frames must arrive. A UART is slower than a CAN bus, and an
- * emulator may be held up by its host; on a CAN bus leave the windows of the layouts.
- */
-#define WINDOW_US 10000000u
-
 static shoulder_node_t shoulder;
 static wrist_node_t wrist;
 static ccgen_slcan_t slcan;
@@ -54,11 +48,18 @@ static void take(uint8_t byte) {
     }
 }
 
+/**
+ * Widens the time within which a snapshot's frames must arrive. A UART is slower than a CAN bus,
+ * and an emulator may be held up by its host; on a CAN bus leave the windows of the layouts.
+ */
+static bool widen(void) {
+    return shoulder_node_set_window(&shoulder, SHOULDER_WINDOW_MAX_US) == CCGEN_OK &&
+           wrist_node_set_window(&wrist, WRIST_WINDOW_MAX_US) == CCGEN_OK;
+}
+
 static bool start(void) {
     return ccgen_slcan_init(&slcan) == CCGEN_OK && shoulder_node_init(&shoulder) == CCGEN_OK &&
-           wrist_node_init(&wrist) == CCGEN_OK &&
-           ccgen_snapshot_set_window(&shoulder.node.snapshot, WINDOW_US) == CCGEN_OK &&
-           ccgen_snapshot_set_window(&wrist.node.snapshot, WINDOW_US) == CCGEN_OK;
+           wrist_node_init(&wrist) == CCGEN_OK && widen();
 }
 
 int main(void) {

@@ -5,7 +5,6 @@
 #define CRC16_CCITT_START 0xFFFFu
 
 #define P01_HEADER 2u
-#define P01_COUNTERS 15u
 #define P05_HEADER 3u
 #define P05_COUNTERS 256u
 
@@ -50,7 +49,7 @@ size_t ccgen_e2e_header(const ccgen_e2e_profile_t profile) {
 }
 
 uint16_t ccgen_e2e_counter_modulus(const ccgen_e2e_profile_t profile) {
-    return (profile == CCGEN_E2E_P01) ? P01_COUNTERS : P05_COUNTERS;
+    return (profile == CCGEN_E2E_P01) ? CCGEN_E2E_P01_COUNTERS : P05_COUNTERS;
 }
 
 int ccgen_e2e_protect(const ccgen_e2e_profile_t profile, const uint16_t data_id,
@@ -86,7 +85,7 @@ int ccgen_e2e_check(const ccgen_e2e_profile_t profile, const uint16_t data_id,
             return CCGEN_ERROR_CRC;
         }
         const uint8_t counter = (uint8_t)(data[1] & 0x0Fu);
-        return (counter < P01_COUNTERS) ? (int)counter : CCGEN_ERROR_FORMAT;
+        return (counter < CCGEN_E2E_P01_COUNTERS) ? (int)counter : CCGEN_ERROR_FORMAT;
     }
     const uint16_t crc = p05_crc(data_id, data, length);
     if ((data[0] != (crc & 0xFFu)) || (data[1] != (crc >> 8))) {

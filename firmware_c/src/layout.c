@@ -4,6 +4,8 @@
 
 #define CLASSIC_LENGTH 8u
 #define FD_LENGTH 64u
+#define TURNS 16u
+#define TURN_SHIFT 4u
 #define STANDARD_ID_MAX 0x7FFu
 #define EXTENDED_ID_MAX 0x1FFFFFFFu
 
@@ -20,7 +22,7 @@ static bool signals_valid(const ccgen_layout_t *const layout) {
 
 static bool times_valid(const ccgen_layout_t *const layout) {
     return (layout->cycle_us >= 1u) && (layout->cycle_us <= CCGEN_PERIOD_MAX_US) &&
-           (layout->window_us >= 1u) && (layout->window_us <= CCGEN_PERIOD_MAX_US);
+           (layout->window_us >= 1u) && (layout->window_us <= ccgen_layout_window_max_us(layout));
 }
 
 static bool identifiers_valid(const ccgen_layout_t *const layout) {
@@ -36,6 +38,23 @@ bool ccgen_layout_valid(const ccgen_layout_t *const layout) {
 
 ccgen_e2e_profile_t ccgen_layout_profile(const ccgen_layout_t *const layout) {
     return layout->fd ? CCGEN_E2E_P05 : CCGEN_E2E_P01;
+}
+
+/** \return whether numbers have a turn beside the counter of P01. */
+static bool has_turn(const ccgen_layout_t *const layout) {
+    return !layout->fd && layout->turn;
+}
+
+uint16_t ccgen_layout_numbers(const ccgen_layout_t *const layout) {
+    const uint16_t counters = ccgen_e2e_counter_modulus(ccgen_layout_profile(layout));
+    return has_turn(layout) ? (uint16_t)(TURNS * counters) : counters;
+}
+
+uint32_t ccgen_layout_window_max_us(const ccgen_layout_t *const layout) {
+    const bool counter_alone = !layout->fd && !layout->turn;
+    const uint32_t cycles = counter_alone ? CCGEN_WINDOW_CYCLES_WITHOUT_TURN : CCGEN_WINDOW_CYCLES;
+    const bool fits = layout->cycle_us <= (CCGEN_PERIOD_MAX_US / cycles);
+    return fits ? (cycles * layout->cycle_us) : CCGEN_PERIOD_MAX_US;
 }
 
 uint8_t ccgen_layout_frame_length(const ccgen_layout_t *const layout) {
@@ -110,10 +129,36 @@ void ccgen_layout_begin(const ccgen_layout_t *const layout, const uint16_t index
     }
 }
 
-int ccgen_layout_protect(const ccgen_layout_t *const layout, const uint8_t counter,
+static uint16_t data_id(const ccgen_frame_t *const frame) {
+    return (uint16_t)(frame->id & 0xFFFFu);
+}
+
+int ccgen_layout_protect(const ccgen_layout_t *const layout, const uint8_t number,
                          ccgen_frame_t *const frame) {
-    return ccgen_e2e_protect(ccgen_layout_profile(layout), (uint16_t)(frame->id & 0xFFFFu), counter,
-                             frame->data, frame->length);
+    const ccgen_e2e_profile_t profile = ccgen_layout_profile(layout);
+    uint8_t counter = number;
+    if (number >= ccgen_layout_numbers(layout)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    if (has_turn(layout)) {
+        const uint8_t turn = (uint8_t)(number / CCGEN_E2E_P01_COUNTERS);
+        counter = (uint8_t)(number - turn * CCGEN_E2E_P01_COUNTERS);
+        frame->data[1] = (uint8_t)(turn << TURN_SHIFT); /* the header's other bits come below */
+    }
+    return ccgen_e2e_protect(profile, data_id(frame), counter, frame->data, frame->length);
+}
+
+int ccgen_layout_check(const ccgen_layout_t *const layout, const ccgen_frame_t *const frame) {
+    if (frame->remote || (frame->fd != layout->fd) ||
+        (frame->length != ccgen_layout_frame_length(layout))) {
+        return CCGEN_ERROR_FORMAT;
+    }
+    const int counter =
+        ccgen_e2e_check(ccgen_layout_profile(layout), data_id(frame), frame->data, frame->length);
+    if ((counter < 0) || !has_turn(layout)) {
+        return counter;
+    }
+    return (int)((frame->data[1] >> TURN_SHIFT) * CCGEN_E2E_P01_COUNTERS) + counter;
 }
 
 void ccgen_put_signed(uint8_t *const data, const uint8_t bytes, const int32_t value) {

@@ -28,6 +28,8 @@ int ccgen_node_init(const ccgen_layout_t *const layout, ccgen_node_t *const node
     }
     node->published = 0;
     node->status_counter = 0;
+    node->handed = CCGEN_HANDED_NOTHING;
+    node->status_again = false;
     node->estimated = false;
     return CCGEN_OK;
 }
@@ -85,6 +87,10 @@ int ccgen_node_publish(const ccgen_layout_t *const layout, ccgen_node_t *const n
     }
     if (missing != 0) {
         node->snapshot.faults |= CCGEN_FAULT_MISSING;
+        node->snapshot.recent |= CCGEN_FAULT_MISSING;
+    }
+    if (node->handed == CCGEN_HANDED_ESTIMATE) {
+        node->handed = CCGEN_HANDED_NOTHING; /* its answer is replaced */
     }
     for (uint8_t i = 0; i < 3u; ++i) {
         node->tip[i] = estimated ? tip[i] : (int16_t)INT16_MIN;
@@ -93,7 +99,7 @@ int ccgen_node_publish(const ccgen_layout_t *const layout, ccgen_node_t *const n
     node->failures += estimated ? 0u : 1u;
     node->missing = (uint16_t)missing;
     node->estimated = estimated;
-    node->published = node->snapshot.counter;
+    node->published = node->snapshot.number;
     node->next = ccgen_layout_lengths_frames(layout);
     return estimated ? 1 : result;
 }
@@ -129,27 +135,36 @@ static void put_tip(const ccgen_node_t *const node, uint8_t *const payload) {
     }
 }
 
-static void put_status(const ccgen_node_t *const node, const uint32_t now_us,
-                       uint8_t *const payload) {
+static void put_status(const ccgen_node_t *const node, uint8_t *const payload) {
     const uint32_t samples = node->snapshot.snapshots;
     payload[0] = (uint8_t)(samples & 0xFFu);
     payload[1] = (uint8_t)((samples >> 8) & 0xFFu);
     payload[2] = (uint8_t)(node->missing & 0xFFu);
     payload[3] = (uint8_t)(node->missing >> 8);
     payload[4] = node->snapshot.faults;
-    payload[5] = ccgen_snapshot_age_ms(&node->snapshot, now_us);
+    payload[5] = ccgen_snapshot_age_ms(&node->snapshot, node->snapshot.now_us);
+}
+
+/** What was handed out counts as sent, unless it was taken back. */
+static void settle(const ccgen_layout_t *const layout, ccgen_node_t *const node) {
+    if (node->handed == CCGEN_HANDED_STATUS) {
+        const uint16_t modulus = ccgen_e2e_counter_modulus(ccgen_layout_profile(layout));
+        const uint16_t next = (uint16_t)(node->status_counter + 1u);
+        node->status_counter = (uint8_t)((next < modulus) ? next : 0u);
+        node->snapshot.faults = node->snapshot.recent;
+    }
+    node->handed = CCGEN_HANDED_NOTHING;
 }
 
 static int transmit_status(const ccgen_layout_t *const layout, ccgen_node_t *const node,
-                           const uint32_t now_us, ccgen_frame_t *const frame) {
-    const ccgen_e2e_profile_t profile = ccgen_layout_profile(layout);
-    const uint16_t modulus = ccgen_e2e_counter_modulus(profile);
+                           ccgen_frame_t *const frame) {
     ccgen_layout_begin(layout, ccgen_layout_status_index(layout), frame);
-    put_status(node, now_us, &frame->data[ccgen_e2e_header(profile)]);
+    put_status(node, &frame->data[ccgen_e2e_header(ccgen_layout_profile(layout))]);
     (void)ccgen_layout_protect(layout, node->status_counter, frame);
-    node->status_counter = (uint8_t)((node->status_counter + 1u) % modulus);
-    node->snapshot.faults = 0;
-    node->status_us = now_us;
+    node->handed = CCGEN_HANDED_STATUS;
+    node->status_again = false;
+    node->snapshot.recent = 0;
+    node->status_us = node->snapshot.now_us;
     return 1;
 }
 
@@ -163,15 +178,15 @@ static int transmit_estimate(const ccgen_layout_t *const layout, ccgen_node_t *c
         put_tip(node, &frame->data[header]);
     }
     (void)ccgen_layout_protect(layout, node->published, frame);
+    node->handed = CCGEN_HANDED_ESTIMATE;
     return 1;
 }
 
 /** The next frame of an answer: ANGLES, TIP, STATUS. */
 static int transmit_answer(const ccgen_layout_t *const layout, ccgen_node_t *const node,
-                           const angles_t *const angles, const uint32_t now_us,
-                           ccgen_frame_t *const frame) {
+                           const angles_t *const angles, ccgen_frame_t *const frame) {
     const bool is_status = (node->next == ccgen_layout_status_index(layout));
-    const int result = is_status ? transmit_status(layout, node, now_us, frame)
+    const int result = is_status ? transmit_status(layout, node, frame)
                                  : transmit_estimate(layout, node, angles, frame);
     node->next = (uint16_t)(node->next + 1u);
     node->status_wait_us = layout->cycle_us + layout->cycle_us / 2u;
@@ -182,12 +197,17 @@ static int transmit(const ccgen_layout_t *const layout, ccgen_node_t *const node
                     const angles_t *const angles, const uint32_t now_us,
                     ccgen_frame_t *const frame) {
     (void)ccgen_snapshot_tick(layout, &node->snapshot, now_us);
+    settle(layout, node);
     if (node->next <= ccgen_layout_status_index(layout)) {
-        return transmit_answer(layout, node, angles, now_us, frame);
+        return transmit_answer(layout, node, angles, frame);
     }
-    if ((now_us - node->status_us) >= node->status_wait_us) {
+    const uint32_t since_us = node->snapshot.now_us - node->status_us;
+    if (node->status_again) {
+        return transmit_status(layout, node, frame);
+    }
+    if (since_us >= node->status_wait_us) {
         node->status_wait_us = layout->cycle_us;
-        return transmit_status(layout, node, now_us, frame);
+        return transmit_status(layout, node, frame);
     }
     return 0;
 }
@@ -210,4 +230,17 @@ int ccgen_node_transmit32(const ccgen_layout_t *const layout, ccgen_node_t *cons
         return CCGEN_ERROR_ARGUMENT;
     }
     return transmit(layout, node, &angles, now_us, frame);
+}
+
+int ccgen_node_unsent(ccgen_node_t *const node) {
+    if (node == NULL) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    const ccgen_handed_t handed = node->handed;
+    node->handed = CCGEN_HANDED_NOTHING;
+    if (handed == CCGEN_HANDED_ESTIMATE) {
+        node->next = (uint16_t)(node->next - 1u);
+    }
+    node->status_again = node->status_again || (handed == CCGEN_HANDED_STATUS);
+    return (handed == CCGEN_HANDED_NOTHING) ? 0 : 1;
 }

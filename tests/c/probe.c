@@ -29,7 +29,7 @@ size_t probe_size(const int which) {
 void probe_snapshot(const ccgen_snapshot_t *const snapshot, uint32_t counters[9]) {
     const uint32_t values[9] = {snapshot->snapshots, snapshot->corrupted, snapshot->malformed,
                                 snapshot->repeated,  snapshot->reordered, snapshot->lost,
-                                snapshot->late,      snapshot->counter,   snapshot->faults};
+                                snapshot->late,      snapshot->number,   snapshot->faults};
     for (int i = 0; i < 9; ++i) {
         counters[i] = values[i];
     }
@@ -39,6 +39,7 @@ void probe_snapshot(const ccgen_snapshot_t *const snapshot, uint32_t counters[9]
 uint8_t probe_take_faults(ccgen_snapshot_t *const snapshot) {
     const uint8_t faults = snapshot->faults;
     snapshot->faults = 0;
+    snapshot->recent = 0;
     return faults;
 }
 

@@ -11,14 +11,14 @@ int socketcan_main(int argc, char *argv[]);
 #undef main
 
 int main(int argc, char *argv[]) {
-    port_node_t node;
+    static link_t link; /* zero */
     if (argc != 2) {
         return socketcan_main(argc, argv);
     }
-    const int can = atoi(argv[1]);
-    (void)fcntl(can, F_SETFL, O_NONBLOCK);
+    link.can = atoi(argv[1]);
+    (void)fcntl(link.can, F_SETFL, O_NONBLOCK);
     catch_signals();
-    (void)port_node_init(&node);
-    (void)port_node_set_window(&node, 60000000u); /* a loaded machine may pause the sender */
-    return (run(can, &node) < 0) ? EXIT_INTERFACE : EXIT_SUCCESS;
+    (void)port_node_init(&link.node);
+    be_patient(&link); /* a loaded machine may pause the sender */
+    return (run(&link) < 0) ? EXIT_INTERFACE : EXIT_SUCCESS;
 }

@@ -27,7 +27,6 @@ from ccgen.verify.plan import silent
 
 FOLDER = Path("/run/vcan")
 SNAPSHOTS = 1000
-WINDOW_MS = 5000  # a loaded machine may pause everything between two frames
 PACE = Pace(timeout=10.0)
 
 
@@ -49,9 +48,8 @@ def link(*settings: str) -> None:
 def node(name: str) -> Iterator[subprocess.Popen[bytes]]:
     """The joint's node on vcan0, ended by a signal and without a complaint if it still runs."""
     program = FOLDER / f"{name}.node"
-    with subprocess.Popen(
-        [program, "--window-ms", str(WINDOW_MS), "vcan0"], stderr=subprocess.PIPE
-    ) as running:
+    # Patient: a loaded machine may pause everything between two frames.
+    with subprocess.Popen([program, "--patient", "vcan0"], stderr=subprocess.PIPE) as running:
         try:
             yield running
         finally:

@@ -7,10 +7,6 @@ from pathlib import Path
 # Errors are ours to tell; without a handler of its own python-can's log is printed beside them.
 logging.getLogger("can").addHandler(logging.NullHandler())
 
-WINDOW_MS = 10_000
-"""Time that a snapshot's frames may take where no bus keeps the time: a busy machine may hold up
-sender or node between two frames for longer than a cycle."""
-
 
 def not_run(program: Path, error: OSError) -> str:
     """Why a program or a library that was compiled cannot be run, and what to do about it."""

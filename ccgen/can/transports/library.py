@@ -1,9 +1,9 @@
 """A node in this process: the C as a shared library, served on python-can's virtual bus.
 
 The node's clock is not the machine's: it advances by one cycle with each snapshot and with each
-silence, and a snapshot's frames have all the time that a busy machine may need. What the node
-publishes therefore depends on the frames alone, not on how the operating system shares out the
-processor.
+silence of at least a tenth of a second, and a snapshot's frames have the widest window that there
+is. What the node publishes therefore depends on the frames alone, not on how the operating system
+shares out the processor.
 """
 
 import ctypes
@@ -18,10 +18,14 @@ import can
 from can.interfaces.virtual import VirtualBus
 
 from ccgen.can.layout import FrameLayout
-from ccgen.can.transports import WINDOW_MS, not_run
+from ccgen.can.transports import not_run
 from ccgen.errors import ToolError
 
-_SILENCE = 0.02
+_CYCLE_US = 100_000
+"""Silence that counts as a cycle at least: a busy machine may hold up the sender between two frames
+for many times a real one, and the widest window has a hundred."""
+
+_GLANCE = 0.02
 """Longest time, seconds, until the server looks whether it is to stop."""
 
 _CAPACITY = 64
@@ -36,7 +40,7 @@ def library_node(library: Path, layout: FrameLayout) -> Iterator[can.BusABC]:
         ToolError: the library cannot be loaded, or the node failed while it was served.
     """
     channel = f"ccgen-{next(_channels)}"
-    node = _Node(library)
+    node = _Node(library, layout)
     with VirtualBus(channel) as host, VirtualBus(channel) as served:
         server = _Server(node, served, layout)
         server.start()
@@ -51,7 +55,7 @@ def library_node(library: Path, layout: FrameLayout) -> Iterator[can.BusABC]:
 class _Node:
     """The node's functions; calls hold the interpreter lock, for they take microseconds."""
 
-    def __init__(self, library: Path) -> None:
+    def __init__(self, library: Path, layout: FrameLayout) -> None:
         try:
             self._functions = ctypes.PyDLL(str(library))
             size = self._functions.ccgen_shared_node_size
@@ -68,7 +72,8 @@ class _Node:
             raise ToolError(f"{library}: is no node's library: {error}") from error
         if result != 0:
             raise ToolError(f"{library}: the node does not start: error {result}")
-        set_window(self._state, 1000 * WINDOW_MS)
+        if set_window(self._state, layout.window_max_us) != 0:
+            raise ToolError(f"{library}: is not of this joint: it takes no window of its layout")
         self._receive.argtypes = (
             ctypes.c_char_p, ctypes.c_uint32, ctypes.c_int, ctypes.c_int, ctypes.c_size_t,
             ctypes.c_char_p, ctypes.c_uint32,
@@ -120,8 +125,8 @@ class _Server:
 
     def __init__(self, node: _Node, bus: can.BusABC, layout: FrameLayout) -> None:
         self._node, self._bus, self._cycle_us = node, bus, layout.cycle_us
-        self._silence = min(_SILENCE, layout.cycle_us / 1e6)
-        self._now_us = 0
+        self._silent_cycle_us = max(_CYCLE_US, layout.cycle_us)
+        self._now_us = self._idle_us = 0
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._serve, name="ccgen node")
         self.failure: Exception | None = None
@@ -138,15 +143,21 @@ class _Server:
     def _serve(self) -> None:
         try:
             while not self._stopping.is_set():
-                message = self._bus.recv(self._silence)
+                message = self._bus.recv(_GLANCE)
                 if message is None:
-                    self._advance(round(1e6 * self._silence))
+                    self._idle(round(1e6 * _GLANCE))
                 elif self._node.receive(message, self._now_us):
                     self._advance(self._cycle_us)
                 while (answer := self._node.transmit(self._now_us)) is not None:
                     self._bus.send(answer)
         except Exception as error:  # told to the one who waits for answers
             self.failure = error
+
+    def _idle(self, microseconds: int) -> None:
+        """Let the machine's time pass; the node's goes on by whole cycles."""
+        self._idle_us += microseconds
+        cycles, self._idle_us = divmod(self._idle_us, self._silent_cycle_us)
+        self._advance(cycles * self._cycle_us)
 
     def _advance(self, microseconds: int) -> None:
         self._now_us = (self._now_us + microseconds) & 0xFFFFFFFF

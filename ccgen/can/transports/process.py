@@ -9,7 +9,7 @@ from pathlib import Path
 
 import can
 
-from ccgen.can.transports import WINDOW_MS, not_run
+from ccgen.can.transports import not_run
 from ccgen.can.transports.slcan import BlockSlcanBus
 from ccgen.can.transports.terminal import raw_terminal
 from ccgen.errors import ToolError
@@ -22,8 +22,9 @@ _GRACE = 10.0
 def process_node(program: Path) -> Iterator[can.BusABC]:
     """Run the program built from an exported folder's ports/posix; gives the host's bus.
 
-    The program has the terminal's controlling end as standard input and output, and ends when the
-    line is closed. However the block is left, the process is gone afterwards.
+    It has the terminal's controlling end as standard input and output, is patient (its clock runs
+    slower than the machine's, and a snapshot has the widest window that there is), and ends when
+    the line is closed. However the block is left, the process is gone afterwards.
 
     Raises:
         ToolError: the program does not start, or ended with an error for which it gave a reason.
@@ -45,7 +46,7 @@ def _start(program: Path, errors: int) -> tuple[subprocess.Popen[bytes], can.Bus
     controlling, terminal = raw_terminal()
     try:
         process = subprocess.Popen(
-            [program, "--window-ms", str(WINDOW_MS)],
+            [program, "--patient"],
             stdin=controlling,
             stdout=controlling,
             stderr=errors,

@@ -18,6 +18,9 @@
 extern "C" {
 #endif
 
+/** Values that the counter of P01 takes: 0 to 14. */
+#define CCGEN_E2E_P01_COUNTERS 15u
+
 typedef enum {
     CCGEN_E2E_P01, /**< classic CAN */
     CCGEN_E2E_P05  /**< CAN FD */

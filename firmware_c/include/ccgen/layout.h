@@ -8,6 +8,12 @@
  * signals as fit; unused bytes are 0. A signal's most negative value means "no reading".
  * The E2E data ID is the low 16 bits of the identifier.
  *
+ * Every sending of the sensors has a number, which LENGTHS, ANGLES and TIP carry. On CAN FD it is
+ * the counter of P05, 0 to 255. On classic CAN the counter of P01 comes round after 15; the nibble
+ * beside it, which P01 leaves to the payload, counts these turns: number = turn * 15 + counter,
+ * 0 to 239. Without the turn the number is the counter alone. A STATUS frame has a counter of its
+ * own, and turn 0.
+ *
  * All functions are pure, take constant time and accept only layouts that ccgen_layout_valid()
  * accepts.
  */
@@ -29,18 +35,27 @@ extern "C" {
 /** Longest cycle and window, so that sums of times stay far from the clock's wrap. */
 #define CCGEN_PERIOD_MAX_US 300000000u
 
+/** Widest window in cycles: a frame may be late by half the numbers, and a window must fit into the
+ * rest of them. */
+#define CCGEN_WINDOW_CYCLES 100u
+
+/** The same where the number is the counter of P01 alone. */
+#define CCGEN_WINDOW_CYCLES_WITHOUT_TURN 6u
+
 /** The layout of one joint: lives in flash. */
 typedef struct {
     uint32_t base_id;    /**< identifier of the first LENGTHS frame */
     bool extended;       /**< 29-bit identifiers */
     bool fd;             /**< CAN FD: 64-byte frames and E2E P05; else 8-byte frames and P01 */
+    bool turn;           /**< on classic CAN: the number has a turn; without meaning on CAN FD */
     uint8_t sensors_u;   /**< 1 to CCGEN_AXIS_SENSORS_MAX */
     uint8_t sensors_v;   /**< 1 to CCGEN_AXIS_SENSORS_MAX */
     uint8_t segments;    /**< 1 to CCGEN_SEGMENTS_MAX */
     uint8_t count_bytes; /**< of a count on the bus: 2, 3 or 4 */
     uint8_t angle_bytes; /**< of an angle on the bus: 2 or 4 */
     uint32_t cycle_us;   /**< period of snapshots and of the status; 1 to CCGEN_PERIOD_MAX_US */
-    uint32_t window_us;  /**< a snapshot's frames arrive within this time of its first */
+    uint32_t window_us;  /**< a snapshot's frames arrive within this time of its first; 1 to
+                              ccgen_layout_window_max_us() */
 } ccgen_layout_t;
 
 typedef enum {
@@ -56,6 +71,13 @@ bool ccgen_layout_valid(const ccgen_layout_t *layout);
 
 /** \return the E2E profile of all frames. */
 ccgen_e2e_profile_t ccgen_layout_profile(const ccgen_layout_t *layout);
+
+/** \return how many numbers there are: 256 on CAN FD, else 240, or 15 without the turn. */
+uint16_t ccgen_layout_numbers(const ccgen_layout_t *layout);
+
+/** \return the widest window: CCGEN_WINDOW_CYCLES or CCGEN_WINDOW_CYCLES_WITHOUT_TURN cycles, at
+ *          most CCGEN_PERIOD_MAX_US. */
+uint32_t ccgen_layout_window_max_us(const ccgen_layout_t *layout);
 
 /** \return bytes of data in every frame: 8, or 64 on CAN FD. */
 uint8_t ccgen_layout_frame_length(const ccgen_layout_t *layout);
@@ -93,21 +115,31 @@ ccgen_frame_kind_t ccgen_layout_kind(const ccgen_layout_t *layout, const ccgen_f
 void ccgen_layout_begin(const ccgen_layout_t *layout, uint16_t index, ccgen_frame_t *frame);
 
 /**
- * Protects a frame that ccgen_layout_begin() started and whose signals are in place.
+ * Numbers and protects a frame that ccgen_layout_begin() started and whose signals are in place.
  * \param[in] layout
- * \param[in] counter    below the profile's modulus
+ * \param[in] number     below ccgen_layout_numbers(); the counter of a STATUS frame
  * \param[in,out] frame
- * \return as ccgen_e2e_protect()
+ * \return as ccgen_e2e_protect(); CCGEN_ERROR_ARGUMENT for a number out of range
  */
-int ccgen_layout_protect(const ccgen_layout_t *layout, uint8_t counter, ccgen_frame_t *frame);
+int ccgen_layout_protect(const ccgen_layout_t *layout, uint8_t number, ccgen_frame_t *frame);
+
+/**
+ * Checks one of the joint's frames as a receiver does.
+ * \param[in] layout
+ * \param[in] frame   with an identifier of the joint
+ * \return its number; CCGEN_ERROR_FORMAT for a wrong kind, length or counter; CCGEN_ERROR_CRC
+ */
+int ccgen_layout_check(const ccgen_layout_t *layout, const ccgen_frame_t *frame);
 
 /** Writes the low `bytes` bytes (1 to 4) of `value`, little-endian. */
 void ccgen_put_signed(uint8_t *data, uint8_t bytes, int32_t value);
 
-/** \return the little-endian two's complement value of `bytes` bytes (1 to 4); 0 for any other number. */
+/** \return the little-endian two's complement value of `bytes` bytes (1 to 4); 0 for any other
+ * number. */
 int32_t ccgen_get_signed(const uint8_t *data, uint8_t bytes);
 
-/** \return the most negative value of a signal of `bytes` bytes (1 to 4): "no reading"; 0 otherwise. */
+/** \return the most negative value of a signal of `bytes` bytes (1 to 4): "no reading"; 0
+ * otherwise. */
 int32_t ccgen_no_reading(uint8_t bytes);
 
 #ifdef __cplusplus

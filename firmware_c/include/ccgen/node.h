@@ -5,7 +5,7 @@
  * The generated NAME_can.c wraps this for one joint: it hands frames to ccgen_node_receive(), and
  * when a snapshot is complete takes the counts, estimates, and calls ccgen_node_publish(). Frames
  * go out one a call of ccgen_node_transmit16() or ccgen_node_transmit32(), whichever fits the
- * joint's precision: all ANGLES frames and TIP of a snapshot under that snapshot's counter, and
+ * joint's precision: all ANGLES frames and TIP of a snapshot under that snapshot's number, and
  * STATUS whenever a cycle has passed.
  *
  * A snapshot with a missing sensor has no estimate: its ANGLES and TIP frames go out with "no
@@ -13,7 +13,13 @@
  * after every received frame: an estimate whose frames were not all fetched when the next one comes
  * is dropped and counted in `overruns`.
  *
- * State belongs to the caller. No heap, no globals, no float (see tip.h for the conversion).
+ * A frame that was handed out counts as sent at the next call of transmit; until then
+ * ccgen_node_unsent() takes it back. The faults that a STATUS frame carries are forgotten once it
+ * counts as sent, and not before.
+ *
+ * State belongs to the caller, and one context at a time works on it: an interrupt that receives
+ * frames hands them over (see queue.h). Times are those of snapshot.h. No heap, no globals, no
+ * float (see tip.h for the conversion).
  */
 #ifndef CCGEN_NODE_H
 #define CCGEN_NODE_H
@@ -24,6 +30,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** What was handed out last and may still be taken back. */
+typedef enum { CCGEN_HANDED_NOTHING, CCGEN_HANDED_ESTIMATE, CCGEN_HANDED_STATUS } ccgen_handed_t;
 
 /** State, owned by the caller; the fields up to `missing` are for reading, the rest is internal. */
 typedef struct {
@@ -39,6 +48,8 @@ typedef struct {
     int16_t tip[3];
     uint8_t published;
     uint8_t status_counter;
+    ccgen_handed_t handed;
+    bool status_again; /* it was taken back */
     bool estimated;
 } ccgen_node_t;
 
@@ -98,6 +109,15 @@ int ccgen_node_transmit16(const ccgen_layout_t *layout, ccgen_node_t *node, cons
 /** The same for a joint of precision 32. */
 int ccgen_node_transmit32(const ccgen_layout_t *layout, ccgen_node_t *node, const int32_t *u,
                           const int32_t *v, uint32_t now_us, ccgen_frame_t *frame);
+
+/**
+ * Takes back the frame that transmit handed out last, for it could not be sent: the next call of
+ * transmit gives it again, a STATUS with all its faults.
+ * \param[in,out] node
+ * \return 1: it comes again; 0: there is none, or a newer snapshot has replaced its answer;
+ *         CCGEN_ERROR_ARGUMENT for a null pointer
+ */
+int ccgen_node_unsent(ccgen_node_t *node);
 
 #ifdef __cplusplus
 }

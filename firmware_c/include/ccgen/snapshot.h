@@ -1,26 +1,39 @@
 /**
  * \file snapshot.h
- * \brief Assembles the LENGTHS frames of one instant into a coherent snapshot of counts.
+ * \brief Assembles the LENGTHS frames of one sending into a coherent snapshot of counts.
  *
- * All frames of a snapshot carry one counter. Counts come out only when every frame of one counter
- * has arrived, unharmed, within the window; old and new readings never mix. What is wrong with the
- * traffic is counted and flagged:
+ * All frames of a sending carry one number (see layout.h). Counts come out only when every frame of
+ * one number has arrived, unharmed, within the window; old and new readings never mix. What is
+ * wrong with the traffic is counted and flagged:
  *
  * - check value wrong -> corrupted; kind, length or counter impossible -> malformed; both ignored.
- * - The counter of the newest snapshot: a frame that is there already -> repeated; any frame once
- *   the snapshot is complete -> repeated; once it was late -> ignored.
- * - Ahead of the newest by less than half the modulus: a newer snapshot begins. One that was still
- *   incomplete is lost, and every counter skipped is one lost.
+ * - The number of the newest snapshot: a frame whose place is taken by the same counts -> repeated.
+ *   If it is taken by other counts, another sending has come round to the number or a sender has
+ *   started anew with it: a new snapshot begins, and one that was incomplete is lost.
+ * - Ahead of the newest by less than half the numbers: a newer snapshot begins. One that was still
+ *   incomplete is lost, and every number skipped is one lost.
  * - Otherwise the frame is from the past -> reordered, ignored.
  * - A frame that arrives more than the window after its snapshot's first: the snapshot is late, and
  *   dropped whole.
  * - At the start, and after silence of more than three cycles (or the window, if that is longer),
- *   any counter begins a snapshot: a sender may restart. An incomplete one is then lost. Frames
- * from the past do not break the silence; repeated ones do.
+ *   any number begins a snapshot: a sender may start anew. An incomplete one is then lost. Frames
+ *   from the past do not break the silence; repeated ones do.
  *
- * State belongs to the caller. Time is a free-running 32-bit count of microseconds; call
- * ccgen_snapshot_tick() at least every half hour. One frame takes time in proportion to its bytes
- * and, when it completes a snapshot, to the number of counts.
+ * What the bus owes in return, so that one number within one window is one sending:
+ *
+ * - A sender advances its number by one a sending, and sends once a cycle at most, on average.
+ * - No frame arrives half the numbers of cycles or more after it was sent: 120 (128 on CAN FD, 8
+ *   without the turn).
+ * - A sender that starts anew first keeps silent for a window, counted from the last frame of its
+ *   former self, or begins with a number that the bus has not just seen: it goes on from its last
+ *   one, ahead of the cycles that have passed by at most 20 in any 220 (28 in 228 on CAN FD, 1 in
+ *   14 without the turn).
+ *
+ * State belongs to the caller; one context at a time works on it. Time is a free-running 32-bit
+ * count of microseconds that wraps. A time less than 2^31 us behind the latest that was told counts
+ * as that latest, so that stamps may come out of order; in return some function that takes the time
+ * is called at least every 30 minutes. One frame takes time in proportion to its bytes and, when it
+ * completes a snapshot, to the number of counts.
  */
 #ifndef CCGEN_SNAPSHOT_H
 #define CCGEN_SNAPSHOT_H
@@ -31,30 +44,31 @@
 extern "C" {
 #endif
 
-/** Fault flags of the status frame. They accumulate until a status frame has carried them. */
+/** Fault flags of the status frame. They accumulate until a status frame that was sent has carried
+ * them. */
 enum {
-    CCGEN_FAULT_CRC = 0x01,
-    CCGEN_FAULT_FORMAT = 0x02,
-    CCGEN_FAULT_REPEATED = 0x04,
-    CCGEN_FAULT_REORDERED = 0x08,
-    CCGEN_FAULT_LOST = 0x10,    /**< an incomplete snapshot or a jump of the counter */
-    CCGEN_FAULT_LATE = 0x20,    /**< a snapshot's frames spread over more than the window */
-    CCGEN_FAULT_MISSING = 0x40, /**< a sensor's count was out of range */
-    CCGEN_FAULT_STALE = 0x80    /**< no complete snapshot for more than three cycles */
+    CCGEN_FAULT_CRC = 0x01,       /**< a LENGTHS frame whose check value was wrong; ignored */
+    CCGEN_FAULT_FORMAT = 0x02,    /**< one that had a wrong kind, length or counter; ignored */
+    CCGEN_FAULT_REPEATED = 0x04,  /**< one that was there already; ignored */
+    CCGEN_FAULT_REORDERED = 0x08, /**< one that was older than the newest snapshot; ignored */
+    CCGEN_FAULT_LOST = 0x10,      /**< an incomplete snapshot, or numbers that were skipped */
+    CCGEN_FAULT_LATE = 0x20,      /**< a snapshot's frames spread over more than the window */
+    CCGEN_FAULT_MISSING = 0x40,   /**< a sensor's count was out of its range */
+    CCGEN_FAULT_STALE = 0x80      /**< no complete snapshot for more than three cycles */
 };
 
 /** An age in the status frame of this or more milliseconds, or no snapshot ever. */
 #define CCGEN_AGE_MAX_MS 255u
 
-/** What becomes of frames that carry the newest counter. */
+/** What becomes of frames that carry the newest number. */
 typedef enum {
-    CCGEN_SNAPSHOT_NONE,     /**< no counter is known: the next frame begins a snapshot */
+    CCGEN_SNAPSHOT_NONE,     /**< no number is known: the next frame begins a snapshot */
     CCGEN_SNAPSHOT_PENDING,  /**< being assembled */
     CCGEN_SNAPSHOT_COMPLETE, /**< complete */
     CCGEN_SNAPSHOT_DROPPED   /**< was late */
 } ccgen_snapshot_phase_t;
 
-/** State, owned by the caller; the fields up to `counter` are for reading, the rest is internal. */
+/** State, owned by the caller; the fields up to `number` are for reading, the rest is internal. */
 typedef struct {
     int32_t counts[CCGEN_COUNTS_MAX]; /**< latest complete snapshot: u sensors, then v sensors */
     uint32_t snapshots;               /**< complete ones */
@@ -64,16 +78,19 @@ typedef struct {
     uint32_t reordered;               /**< frames */
     uint32_t lost;                    /**< snapshots */
     uint32_t late;                    /**< snapshots */
-    uint8_t counter;                  /**< of the latest complete snapshot */
+    uint8_t number;                   /**< of the latest complete snapshot */
 
     int32_t pending[CCGEN_COUNTS_MAX];
     uint32_t window_us;
+    uint32_t window_max_us;
+    uint32_t now_us; /* the latest time that was told */
     uint32_t first_us;
     uint32_t heard_us;
     uint32_t complete_us;
     uint16_t received;
     uint8_t newest;
-    uint8_t faults;
+    uint8_t faults; /* not carried yet by a status that was sent */
+    uint8_t recent; /* those among them that are newer than the last status handed out */
     ccgen_snapshot_phase_t phase;
     bool started;
     bool stale;
@@ -91,8 +108,8 @@ int ccgen_snapshot_init(const ccgen_layout_t *layout, ccgen_snapshot_t *snapshot
 /**
  * Replaces the window of the layout, for transports slower than the bus.
  * \param[in,out] snapshot
- * \param[in] window_us  1 to CCGEN_PERIOD_MAX_US
- * \return CCGEN_OK, or CCGEN_ERROR_ARGUMENT
+ * \param[in] window_us  1 to ccgen_layout_window_max_us()
+ * \return CCGEN_OK; CCGEN_ERROR_ARGUMENT for a null pointer or another window, which is not taken
  */
 int ccgen_snapshot_set_window(ccgen_snapshot_t *snapshot, uint32_t window_us);
 

@@ -2,11 +2,13 @@
  * \file main.c
  * \brief The joint as a process that speaks SLCAN over a byte stream (POSIX).
  *
- *     node [--window-ms N] [--fd N | DEVICE]
+ *     node [--window-ms N] [--patient] [--fd N | DEVICE]
  *
  * Without a device it speaks on standard input and output. port_joint.h, generated for each joint,
  * gives port_node_t with port_node_init, port_node_receive, port_node_transmit and
- * port_node_set_window.
+ * port_node_set_window. A frame's time is that of reading the block it came in. With --patient a
+ * snapshot has the widest window and a cycle of the clock lasts a tenth of a second at least: for
+ * tests, which must not depend on how busy the machine is.
  *
  * Memory is fixed: one block of input, one of output. While the output is full nothing is read, so
  * a host that does not listen stalls the line instead of losing frames. Ends with status 0 at the
@@ -31,7 +33,8 @@
 
 #define BLOCK 65536u
 #define TICK_MS 1
-#define WINDOW_MS_MAX 300000
+#define WINDOW_MS_MAX ((long)(PORT_WINDOW_MAX_US / 1000u))
+#define PATIENT_SLOW ((100000u + PORT_CYCLE_US - 1u) / PORT_CYCLE_US)
 
 enum { EXIT_LINE = 1, EXIT_USAGE = 2 };
 
@@ -49,7 +52,9 @@ typedef struct {
     int in;
     int out;
     bool ended;
-    bool pending; /* the node may have frames to send */
+    bool pending;     /* the node may have frames to send */
+    uint32_t slow;    /* machine's time for one of the clock's */
+    uint32_t read_us; /* when the input was read */
     block_t input;
     block_t output;
     ccgen_slcan_t slcan;
@@ -60,6 +65,7 @@ typedef struct {
     const char *device;
     int fd;
     uint32_t window_us;
+    bool patient;
 } options_t;
 
 static volatile sig_atomic_t stop_requested = 0;
@@ -79,10 +85,11 @@ static bool is_passing(const int error) {
     return (error == EAGAIN) || (error == EINTR);
 }
 
-static uint32_t now_us(void) {
+static uint32_t now_us(const link_t *const link) {
     struct timespec now;
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint32_t)((uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u);
+    const uint64_t machine_us = (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u;
+    return (uint32_t)(machine_us / link->slow);
 }
 
 static bool output_has_room(const link_t *const link) {
@@ -93,7 +100,7 @@ static bool output_has_room(const link_t *const link) {
 static void fetch_frames(link_t *const link) {
     ccgen_frame_t frame;
     while (link->pending && output_has_room(link)) {
-        if (port_node_transmit(&link->node, now_us(), &frame) != 1) {
+        if (port_node_transmit(&link->node, now_us(link), &frame) != 1) {
             link->pending = false;
         } else if (link->slcan.open) {
             const int length = ccgen_slcan_encode(&frame, &link->output.bytes[link->output.end],
@@ -111,7 +118,7 @@ static void take_byte(link_t *const link) {
     memcpy(&link->output.bytes[link->output.end], link->slcan.reply, link->slcan.reply_length);
     link->output.end += link->slcan.reply_length;
     if (result == 1) {
-        (void)port_node_receive(&link->node, &frame, now_us());
+        (void)port_node_receive(&link->node, &frame, link->read_us);
         link->pending = true;
     }
 }
@@ -134,6 +141,7 @@ static line_t read_input(link_t *const link) {
     if (count > 0) {
         link->input.begin = 0;
         link->input.end = (size_t)count;
+        link->read_us = now_us(link);
         return LINE_OPEN;
     }
     if ((count < 0) && is_passing(errno)) {
@@ -202,14 +210,16 @@ static line_t run(link_t *const link) {
 
 static void print_usage(FILE *const to, const char *const program) {
     (void)fprintf(to,
-                  "usage: %s [--window-ms N] [--fd N | DEVICE]\n\n"
+                  "usage: %s [--window-ms N] [--patient] [--fd N | DEVICE]\n\n"
                   "The joint's CAN node, speaking SLCAN.\n\n"
                   "  DEVICE         terminal or pseudo-terminal, put into raw mode; without it\n"
                   "                 standard input and output\n"
                   "  --fd N         an open file descriptor for both directions\n"
-                  "  --window-ms N  time within which the frames of a snapshot must arrive\n"
+                  "  --window-ms N  time within which the frames of a snapshot must arrive, 1 to\n"
+                  "                 %ld\n"
+                  "  --patient      the widest window and a slow clock, for tests\n"
                   "  --help         this text\n",
-                  program);
+                  program, WINDOW_MS_MAX);
 }
 
 /** \return whether `text` is a whole number from `low` to `high`. */
@@ -235,11 +245,13 @@ static bool read_options(const int argc, char *const argv[], options_t *const op
             ++i;
         } else if (strcmp(argv[i], "--window-ms") == 0) {
             if (!read_number(value, 1, WINDOW_MS_MAX, &number)) {
-                (void)fprintf(stderr, "%s: --window-ms needs 1 to %d\n", argv[0], WINDOW_MS_MAX);
+                (void)fprintf(stderr, "%s: --window-ms needs 1 to %ld\n", argv[0], WINDOW_MS_MAX);
                 return false;
             }
             options->window_us = (uint32_t)number * 1000u;
             ++i;
+        } else if (strcmp(argv[i], "--patient") == 0) {
+            options->patient = true;
         } else if ((argv[i][0] == '-') || (options->device != NULL)) {
             (void)fprintf(stderr, "%s: unknown argument %s; see --help\n", argv[0], argv[i]);
             return false;
@@ -317,7 +329,7 @@ static int serve(link_t *const link) {
 
 int main(int argc, char *argv[]) {
     static link_t link; /* too large for a stack */
-    options_t options = {NULL, -1, 0};
+    options_t options = {NULL, -1, 0, false};
     if ((argc == 2) && (strcmp(argv[1], "--help") == 0)) {
         print_usage(stdout, argv[0]);
         return EXIT_SUCCESS;
@@ -327,6 +339,10 @@ int main(int argc, char *argv[]) {
     }
     (void)port_node_init(&link.node);
     (void)ccgen_slcan_init(&link.slcan);
+    link.slow = options.patient ? PATIENT_SLOW : 1u;
+    if (options.patient) {
+        options.window_us = PORT_WINDOW_MAX_US;
+    }
     if (options.window_us != 0u) {
         (void)port_node_set_window(&link.node, options.window_us);
     }

@@ -3,7 +3,8 @@
  * \brief The joint as a shared library: plain C types for a caller such as Python's ctypes.
  *
  * port_joint.h, generated for each joint, names the joint's types and functions: port_node_t with
- * port_node_init, port_node_receive, port_node_transmit, port_node_set_window; port_joint_t,
+ * port_node_init, port_node_receive, port_node_transmit, port_node_unsent, port_node_set_window;
+ * port_joint_t,
  * port_counts_t, port_angles_t, port_count_t, port_angle_t, port_pose_t with port_init,
  * port_capture_zero, port_estimate, port_missing, port_segment_pose, port_tip_pose and
  * port_tip_jacobian; PORT_SEGMENTS, PORT_SENSORS_U, PORT_SENSORS_V and PORT_PRECISION.
@@ -54,7 +55,7 @@ EXPORT size_t ccgen_shared_node_size(void);
 /** Starts a node in the caller's memory. \return as NAME_node_init() */
 EXPORT int ccgen_shared_node_init(void *node);
 
-/** Replaces the snapshot's window. \return CCGEN_OK or CCGEN_ERROR_ARGUMENT */
+/** Replaces the snapshot's window. \return as NAME_node_set_window() */
 EXPORT int ccgen_shared_node_set_window(void *node, uint32_t window_us);
 
 /**
@@ -74,6 +75,9 @@ EXPORT int ccgen_shared_node_receive(void *node, uint32_t id, int extended, int 
  */
 EXPORT int ccgen_shared_node_transmit(void *node, uint32_t now_us, uint32_t *id, uint8_t *extended,
                                       uint8_t *fd, uint8_t *length, uint8_t *data);
+
+/** Takes back the frame that was fetched last. \return as NAME_node_unsent() */
+EXPORT int ccgen_shared_node_unsent(void *node);
 
 /**
  * Reads the node's counters.
@@ -164,9 +168,6 @@ int ccgen_shared_node_init(void *const node) {
 }
 
 int ccgen_shared_node_set_window(void *const node, const uint32_t window_us) {
-    if (node == NULL) {
-        return CCGEN_ERROR_ARGUMENT;
-    }
     return port_node_set_window((port_node_t *)node, window_us);
 }
 
@@ -209,6 +210,10 @@ int ccgen_shared_node_transmit(void *const node, const uint32_t now_us, uint32_t
         }
     }
     return result;
+}
+
+int ccgen_shared_node_unsent(void *const node) {
+    return port_node_unsent((port_node_t *)node);
 }
 
 int ccgen_shared_node_counters(const void *const node, uint32_t *const counters) {

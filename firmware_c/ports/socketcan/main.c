@@ -2,16 +2,19 @@
  * \file main.c
  * \brief The joint as a node on a Linux CAN interface, real or virtual.
  *
- *     node [--window-ms N] INTERFACE
+ *     node [--window-ms N] [--patient] INTERFACE
  *
  * To compile it, in the exported folder:
  *
  *     cc -std=c99 -O2 -Isrc -Iports $(find src -name "*.c") ports/socketcan/main.c -o node
  *
  * port_joint.h, generated for each joint, gives port_node_t with port_node_init, port_node_receive,
- * port_node_transmit and port_node_set_window. A frame that the interface cannot take yet is kept,
- * and nothing is read until it has gone. A snapshot's time is taken when its frames are read: a
- * machine that pauses this process or the sender for longer than a cycle needs a wider window.
+ * port_node_transmit, port_node_unsent and port_node_set_window. A frame that the interface cannot
+ * take yet goes back to the node, and nothing is read until it has gone. A snapshot's time is taken
+ * when its frames are read: a machine that pauses this process or the sender for longer than a
+ * cycle needs a wider window. With
+ * --patient a snapshot has the widest window and a cycle of the clock lasts a tenth of a second at
+ * least: for tests, which must not depend on how busy the machine is.
  * Ends with status 0 at SIGTERM or SIGINT; 1 on an error of the interface; 2 on wrong arguments.
  */
 #if !defined(_GNU_SOURCE)
@@ -35,9 +38,17 @@
 #include "port_joint.h"
 
 #define TICK_MS 1
-#define WINDOW_MS_MAX 300000
+#define WINDOW_MS_MAX ((long)(PORT_WINDOW_MAX_US / 1000u))
+#define PATIENT_SLOW ((100000u + PORT_CYCLE_US - 1u) / PORT_CYCLE_US)
 
 enum { EXIT_INTERFACE = 1, EXIT_USAGE = 2 };
+
+typedef struct {
+    int can;
+    uint32_t slow; /* machine's time for one of the clock's */
+    bool busy;     /* the interface could not take what is due */
+    port_node_t node;
+} link_t;
 
 static volatile sig_atomic_t stop_requested = 0;
 
@@ -56,10 +67,11 @@ static bool is_passing(const int error) {
     return (error == EAGAIN) || (error == EINTR);
 }
 
-static uint32_t now_us(void) {
+static uint32_t now_us(const link_t *const link) {
     struct timespec now;
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint32_t)((uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u);
+    const uint64_t machine_us = (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u;
+    return (uint32_t)(machine_us / link->slow);
 }
 
 /** \return a bound socket, or -1 with errno set. */
@@ -132,45 +144,46 @@ static int write_frame(const int can, const ccgen_frame_t *const frame) {
     return ((errno == ENOBUFS) || is_passing(errno)) ? 0 : -1;
 }
 
-/** Sends what is due. \return 1: all of it; 0: `frame` is kept for later; -1: error. */
-static int send_due(const int can, port_node_t *const node, ccgen_frame_t *const frame,
-                    bool *const kept) {
-    while (*kept || (port_node_transmit(node, now_us(), frame) == 1)) {
-        const int sent = write_frame(can, frame);
-        *kept = (sent == 0);
+/** Sends what is due, as far as the interface takes it. \return -1 on an error. */
+static int send_due(link_t *const link) {
+    ccgen_frame_t frame;
+    link->busy = false;
+    while (!link->busy && (port_node_transmit(&link->node, now_us(link), &frame) == 1)) {
+        const int sent = write_frame(link->can, &frame);
         if (sent != 1) {
-            return sent;
+            (void)port_node_unsent(&link->node);
         }
+        if (sent < 0) {
+            return -1;
+        }
+        link->busy = (sent == 0);
     }
-    return 1;
+    return 0;
 }
 
-/** Answers every frame that is there. \return -1 on an error. */
-static int answer_all(const int can, port_node_t *const node, ccgen_frame_t *const outgoing,
-                      bool *const kept) {
+/** Answers every frame that is there, until the interface is busy. \return -1 on an error. */
+static int answer_all(link_t *const link) {
     ccgen_frame_t incoming;
-    int sent = send_due(can, node, outgoing, kept);
-    while (sent == 1) {
-        const int got = read_frame(can, &incoming);
+    int result = send_due(link);
+    while ((result == 0) && !link->busy) {
+        const int got = read_frame(link->can, &incoming);
         if (got <= 0) {
             return got;
         }
-        (void)port_node_receive(node, &incoming, now_us());
-        sent = send_due(can, node, outgoing, kept);
+        (void)port_node_receive(&link->node, &incoming, now_us(link));
+        result = send_due(link);
     }
-    return sent;
+    return result;
 }
 
 /** Runs until a signal asks to stop. \return -1 on an error, errno set. */
-static int run(const int can, port_node_t *const node) {
-    ccgen_frame_t outgoing;
-    bool kept = false;
+static int run(link_t *const link) {
     while (stop_requested == 0) {
-        struct pollfd file = {kept ? -1 : can, POLLIN, 0};
+        struct pollfd file = {link->busy ? -1 : link->can, POLLIN, 0};
         if ((poll(&file, 1, TICK_MS) < 0) && (errno != EINTR)) {
             return -1;
         }
-        if (answer_all(can, node, &outgoing, &kept) < 0) {
+        if (answer_all(link) < 0) {
             return -1;
         }
     }
@@ -187,30 +200,40 @@ static void catch_signals(void) {
 
 static void print_usage(FILE *const to, const char *const program) {
     (void)fprintf(to,
-                  "usage: %s [--window-ms N] INTERFACE\n\n"
+                  "usage: %s [--window-ms N] [--patient] INTERFACE\n\n"
                   "The joint's CAN node, on a network interface such as can0 or vcan0.\n\n"
-                  "  --window-ms N  time within which the frames of a snapshot must arrive\n"
+                  "  --window-ms N  time within which the frames of a snapshot must arrive, 1 to\n"
+                  "                 %ld\n"
+                  "  --patient      the widest window and a slow clock, for tests\n"
                   "  --help         this text\n",
-                  program);
+                  program, WINDOW_MS_MAX);
 }
 
 /** \return whether `text` is a window in milliseconds, which the node then has. */
-static bool set_window(port_node_t *const node, const char *const text) {
+static bool set_window(link_t *const link, const char *const text) {
     char *end = NULL;
     const long window_ms = strtol(text, &end, 10);
     return (end != text) && (*end == '\0') && (window_ms >= 1) && (window_ms <= WINDOW_MS_MAX) &&
-           (port_node_set_window(node, (uint32_t)window_ms * 1000u) == CCGEN_OK);
+           (port_node_set_window(&link->node, (uint32_t)window_ms * 1000u) == CCGEN_OK);
+}
+
+static void be_patient(link_t *const link) {
+    link->slow = PATIENT_SLOW;
+    (void)port_node_set_window(&link->node, PORT_WINDOW_MAX_US);
 }
 
 /** \return the interface's name; NULL after saying on standard error what is wrong. */
-static const char *read_arguments(const int argc, char *const argv[], port_node_t *const node) {
+static const char *read_arguments(const int argc, char *const argv[], link_t *const link) {
     int next = 1;
-    if ((argc >= 2) && (strcmp(argv[1], "--window-ms") == 0)) {
-        if ((argc < 3) || !set_window(node, argv[2])) {
-            (void)fprintf(stderr, "%s: --window-ms needs 1 to %d\n", argv[0], WINDOW_MS_MAX);
+    if ((argc > next) && (strcmp(argv[next], "--window-ms") == 0)) {
+        if ((argc < 3) || !set_window(link, argv[2])) {
+            (void)fprintf(stderr, "%s: --window-ms needs 1 to %ld\n", argv[0], WINDOW_MS_MAX);
             return NULL;
         }
         next = 3;
+    } else if ((argc > next) && (strcmp(argv[next], "--patient") == 0)) {
+        be_patient(link);
+        next = 2;
     }
     if ((argc != (next + 1)) || (argv[next][0] == '-')) {
         (void)fprintf(stderr, "%s: needs one INTERFACE; see --help\n", argv[0]);
@@ -234,26 +257,27 @@ static void complain(const char *const name, const int error) {
 }
 
 int main(int argc, char *argv[]) {
-    port_node_t node;
+    static link_t link; /* zero */
     if ((argc == 2) && (strcmp(argv[1], "--help") == 0)) {
         print_usage(stdout, argv[0]);
         return EXIT_SUCCESS;
     }
-    (void)port_node_init(&node);
-    const char *const name = read_arguments(argc, argv, &node);
+    link.slow = 1;
+    (void)port_node_init(&link.node);
+    const char *const name = read_arguments(argc, argv, &link);
     if (name == NULL) {
         return EXIT_USAGE;
     }
-    const int can = open_interface(name);
-    if (can < 0) {
+    link.can = open_interface(name);
+    if (link.can < 0) {
         (void)fprintf(stderr, "%s: cannot be opened: %s\n", name, strerror(errno));
         return EXIT_USAGE;
     }
     catch_signals();
-    const int result = run(can, &node);
+    const int result = run(&link);
     if (result < 0) {
         complain(name, errno);
     }
-    (void)close(can);
+    (void)close(link.can);
     return (result < 0) ? EXIT_INTERFACE : EXIT_SUCCESS;
 }

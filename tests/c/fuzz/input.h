@@ -1,23 +1,14 @@
 /**
  * \file input.h
- * \brief What the fuzzing drivers share: an input taken piece by piece, and checks that stop.
+ * \brief What the fuzzing drivers share: an input taken piece by piece.
  */
 #ifndef FUZZ_INPUT_H
 #define FUZZ_INPUT_H
 
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 
-/** Stops the fuzzer, which then keeps the input, where a condition does not hold. */
-#define CHECK(condition)                                                                  \
-    do {                                                                                  \
-        if (!(condition)) {                                                               \
-            (void)fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); \
-            abort();                                                                      \
-        }                                                                                 \
-    } while (0)
+#include "../must.h"
 
 /** What is left of the fuzzer's input; zeros once it is used up. */
 typedef struct {

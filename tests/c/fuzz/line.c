@@ -221,6 +221,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *const data, const size_t size) {
     port.out = 8;
     port.ended = false;
     port.pending = false;
+    port.slow = 1;
+    port.read_us = 0;
     port.input.begin = port.input.end = 0;
     port.output.begin = port.output.end = 0;
     CHECK(port_node_init(&port.node) == CCGEN_OK);

@@ -11,6 +11,8 @@
 #define PORT_SENSORS_U SAMPLE_SENSORS_U
 #define PORT_SENSORS_V SAMPLE_SENSORS_V
 #define PORT_PRECISION SAMPLE_PRECISION
+#define PORT_CYCLE_US SAMPLE_CYCLE_US
+#define PORT_WINDOW_MAX_US SAMPLE_WINDOW_MAX_US
 
 typedef sample_node_t port_node_t;
 typedef sample_t port_joint_t;
@@ -33,8 +35,12 @@ static inline int port_node_transmit(port_node_t *node, uint32_t now_us, ccgen_f
     return sample_node_transmit(node, now_us, frame);
 }
 
+static inline int port_node_unsent(port_node_t *node) {
+    return sample_node_unsent(node);
+}
+
 static inline int port_node_set_window(port_node_t *node, uint32_t window_us) {
-    return ccgen_snapshot_set_window(&node->node.snapshot, window_us);
+    return sample_node_set_window(node, window_us);
 }
 
 static inline int port_init(port_joint_t *joint) {

@@ -6,6 +6,7 @@ const ccgen_layout_t sample_layout = {
     0x300u,           /* base_id */
     false,            /* extended */
     (SAMPLE_FD != 0), /* fd */
+    true,             /* turn */
     SAMPLE_SENSORS_U, /* sensors_u */
     SAMPLE_SENSORS_V, /* sensors_v */
     SAMPLE_SEGMENTS,  /* segments */
@@ -55,4 +56,13 @@ int sample_node_transmit(sample_node_t *const node, const uint32_t now_us,
     }
     return ccgen_node_transmit16(&sample_layout, &node->node, node->angles.u, node->angles.v,
                                  now_us, frame);
+}
+
+int sample_node_unsent(sample_node_t *const node) {
+    return (node == NULL) ? CCGEN_ERROR_ARGUMENT : ccgen_node_unsent(&node->node);
+}
+
+int sample_node_set_window(sample_node_t *const node, const uint32_t window_us) {
+    return (node == NULL) ? CCGEN_ERROR_ARGUMENT
+                          : ccgen_snapshot_set_window(&node->node.snapshot, window_us);
 }
