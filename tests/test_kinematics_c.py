@@ -22,6 +22,7 @@ from ccgen.export.kinematics_c import (
     degrees,
     kinematics_context,
 )
+from ccgen.export.literals import float_literal
 from ccgen.kinematics.bounds import error_bounds, largest_angle
 
 WARNINGS = (
@@ -100,7 +101,7 @@ def render(arm: Arm) -> dict[str, str]:
 def write(arm: Arm, folder: Path) -> Path:
     for name, text in render(arm).items():
         (folder / name).write_text(text)
-    scales = (casadi_c.float_literal(2.0 ** -arm.fraction_bits[axis]) for axis in "uv")
+    scales = (float_literal(2.0 ** -arm.fraction_bits[axis]) for axis in "uv")
     header = HEADER.format(
         segments=arm.segments,
         precision=arm.precision,
@@ -362,7 +363,7 @@ def test_too_coarse_an_angle_format_is_refused() -> None:
 
 def test_literals_read_back_as_the_nearest_float() -> None:
     for value in (1 / 3, 2.0, 1 / 5040, 2.0**-31, 0.1):
-        literal = casadi_c.float_literal(value)
+        literal = float_literal(value)
         assert literal.endswith("f")
         assert np.float32(literal[:-1]) == np.float32(value)
 

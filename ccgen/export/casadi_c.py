@@ -16,9 +16,8 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
 
-import numpy as np
-
 from ccgen.errors import ToolError
+from ccgen.export.literals import float_literal
 
 _NUMBER = r"\d+\.\d*(?:e[+-]\d+)?"
 _OPERAND = rf"(?:a\d+|{_NUMBER})"
@@ -51,11 +50,6 @@ class Arithmetic:
     def operations(self) -> int:
         """Number of additions, subtractions and multiplications."""
         return sum(bool(re.search(r" = \S+ [-+*] ", line)) for line in self.statements)
-
-
-def float_literal(value: float) -> str:
-    """Shortest C literal of single precision that reads back as the float nearest to `value`."""
-    return f"{np.float32(value)!s}f"
 
 
 def arithmetic(

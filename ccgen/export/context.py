@@ -11,6 +11,7 @@ from ccgen.can.load import load_percent
 from ccgen.digits import at_least
 from ccgen.estimation import ErrorRow, noise_gain
 from ccgen.export import vectors
+from ccgen.export.literals import float_literal
 from ccgen.fixedpoint import AxisModel, Fit, FixedPointModel
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts_of
@@ -114,12 +115,6 @@ def selftest_context(joint: Joint, model: FixedPointModel, shapes: Shapes) -> di
         "block_snapshots": BLOCK_SNAPSHOTS,
         "stack_bytes": 100 * math.ceil((state + 150) / 100),
     }
-
-
-def float_literal(value: float) -> str:
-    """A power of two as a C literal in single precision, exact."""
-    text = repr(value)
-    return (text if "." in text or "e" in text else text + ".0") + "f"
 
 
 def _axis_context(fitted: Fit, axis: AxisModel) -> dict[str, Any]:

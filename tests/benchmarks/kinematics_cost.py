@@ -21,8 +21,8 @@ from elftools.elf.elffile import ELFFile
 from unicorn import arm_const
 
 from ccgen import kinematics, resources
-from ccgen.export.casadi_c import float_literal
 from ccgen.export.kinematics_c import advance_function, degrees, kinematics_context
+from ccgen.export.literals import float_literal
 from ccgen.kinematics.bounds import error_bounds, largest_angle
 
 SEGMENT_LENGTH = 0.02
