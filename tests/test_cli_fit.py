@@ -157,3 +157,60 @@ def test_the_case_study_leaves_out_dem_where_sensors_outnumber_segments():
     joint = parse_joint(text.replace('placement = "heuristic"\ncount = 3', spans), "x.toml")
     figure = case_study_figure(joint)
     assert [line.get_label() for line in figure.axes[0].lines] == ["actual", "E-WAM", "WAM"]
+
+
+ROUND = """
+name = "round"
+[geometry]
+segments = 6
+length = 0.12
+range_of_motion = 5.0
+elongation = [0.0, 0.04]
+[sensors.transducer]
+metres_per_count = 2e-6
+noise = 5e-5
+[estimator]
+method = "noise-aware"
+"""
+STRING = '[[sensor]]\nname = "s{angle}"\nspan = [0, 5]\nangle = {angle}\nradius = 0.03\n'
+
+
+def test_sensors_around_the_joint_are_fitted_for_each_axis_and_elongation(capsys, tmp_path):
+    file = tmp_path / "round.toml"
+    file.write_text(ROUND + "".join(STRING.format(angle=angle) for angle in (90, 210, 330)))
+    result = fitted(capsys, str(file))
+    assert result["warnings"] == []
+    shapes = {axis: np.array(one["weights"]).shape for axis, one in result["axes"].items()}
+    assert shapes == {"u": (6, 3), "v": (6, 3), "h": (1, 3)}
+    assert result["axes"]["u"]["elongation_adds_percent_rom"] == 0.0
+    assert result["axes"]["h"]["rms_percent"] < result["axes"]["h"]["rms_with_noise_percent"]
+    assert [row["elongation_rms_percent"] for row in result["errors"]] == [
+        result["axes"]["h"][key] for key in ("rms_percent", "rms_with_noise_percent")
+    ]
+    drawing = tmp_path / "round.svg"
+    assert ccgen("fit", str(file), "--plot", str(drawing)) == 0
+    out = capsys.readouterr().out
+    assert "RMS / % of length" in out
+    assert "spans" not in out
+    assert drawing.stat().st_size > 1000
+
+
+def test_elongation_that_sensors_on_one_side_cannot_tell_is_said(capsys, tmp_path):
+    file = tmp_path / "sides.toml"
+    file.write_text(ROUND + "".join(STRING.format(angle=angle) for angle in (90, 180)))
+    assert ccgen("fit", str(file), "--json") == 0
+    out, err = capsys.readouterr()
+    (warning,) = json.loads(out)["warnings"]
+    assert err == f"ccgen: warning: {warning}\n"
+    assert ccgen("fit", str(file)) == 0
+    assert f"ccgen: warning: {warning}" in capsys.readouterr().err
+    assert "the sensors cannot tell elongation from bending: each 1 % of it adds " in warning
+
+
+def test_a_joint_that_states_no_elongation_is_told_what_it_would_add(capsys):
+    axes = fitted(capsys, str(SHOULDER))["axes"]
+    assert axes["u"]["elongation_adds_percent_rom"] == pytest.approx(7.639, abs=1e-3)
+    assert ccgen("fit", str(SHOULDER)) == 0
+    out, err = capsys.readouterr()
+    assert "1 % elongation adds" in out
+    assert err == ""

@@ -59,19 +59,29 @@ def fit(
 
 def _figures(fitted: "Fit", axis: str) -> dict[str, Any]:
     """What the paper tells of an axis: its weights and their error on the load cases."""
-    from ccgen.estimation import noise_gain
+    from ccgen.estimation import elongation_adds, noise_gain
 
     weights = fitted.weights[axis]
     cases = {row.noise: row for row in fitted.errors if row.source == "cases"}
-    scores = {noise: row.mean_percent_rom[axis] for noise, row in cases.items()}
-    return {
+    figures = {
         "spans": [list(span) for span in weights.spans],
         "weights": weights.matrix.tolist(),
-        "intercept_rad": weights.intercept.tolist(),
         "weights_range": [float(weights.matrix.min()), float(weights.matrix.max())],
-        "score_percent_rom": scores[False],
         "noise_gain": noise_gain(weights),
+    }
+    if axis == "h":
+        errors = {noise: row.elongation_rms_percent for noise, row in cases.items()}
+        return figures | {
+            "intercept": weights.intercept.tolist(),
+            "rms_percent": errors[False],
+            "rms_with_noise_percent": errors.get(True),
+        }
+    scores = {noise: row.mean_percent_rom[axis] for noise, row in cases.items()}
+    return figures | {
+        "intercept_rad": weights.intercept.tolist(),
+        "score_percent_rom": scores[False],
         "score_with_noise_percent_rom": scores.get(True),
+        "elongation_adds_percent_rom": elongation_adds(fitted.joint, fitted.weights)[axis],
     }
 
 
@@ -82,20 +92,36 @@ def _print(joint: "Joint", method: str, axes: dict[str, dict[str, Any]]) -> None
     for axis in axes:
         table.add_column(axis, justify="right")
     columns = [_column(figures) for figures in axes.values()]
-    for title in columns[0]:
-        table.add_row(title, *(column[title] for column in columns))
+    titles = list(dict.fromkeys(title for column in columns for title in column))
+    if joint.couples:
+        titles.remove("spans")  # every axis reads all sensors: `ccgen simulate` lists them
+    for title in titles:
+        table.add_row(title, *(column.get(title, "") for column in columns))
     show_table(table)
 
 
 def _column(figures: dict[str, Any]) -> dict[str, str]:
-    with_noise = figures["score_with_noise_percent_rom"]
+    """Figures by their titles, in the order of the table."""
     smallest, largest = figures["weights_range"]
-    return {
+    column = {
         "sensors": str(len(figures["spans"])),
-        "spans": " ".join(f"{first}-{last}" for first, last in figures["spans"]),
-        "score / % of ROM": f"{figures['score_percent_rom']:.4g}",
-        "with sensor noise": "not known" if with_noise is None else f"{with_noise:.4g}",
+        "spans": " ".join(f"{first:g}-{last:g}" for first, last in figures["spans"]),
+    }
+    for key, title in _ERRORS.items():
+        if key in figures:
+            column[title] = "not known" if figures[key] is None else f"{figures[key]:.4g}"
+    return column | {
         "noise gain": f"{figures['noise_gain']:.4g}",
         "smallest weight": f"{smallest:.4g}",
         "largest weight": f"{largest:.4g}",
     }
+
+
+_ERRORS = {
+    "score_percent_rom": "score / % of ROM",
+    "score_with_noise_percent_rom": "with sensor noise",
+    "elongation_adds_percent_rom": "1 % elongation adds",
+    "rms_percent": "RMS / % of length",
+    "rms_with_noise_percent": "RMS with sensor noise",
+}
+"""Keys of an axis' errors and the titles of their rows."""

@@ -73,14 +73,13 @@ def _describe(
     joint: "Joint", axis: str, problem: "Problem", placement: "Placement"
 ) -> dict[str, Any]:
     from ccgen.estimation import score_percent_rom, score_with_noise_percent_rom
+    from ccgen.placement import placed_noise
 
     weights = problem.weights(placement.spans)
-    sensors, expected = joint.sensors[joint.own(axis)], None
-    noise, radius = sensors[0].noise, sensors[0].radius
-    alike = all((sensor.noise, sensor.radius) == (noise, radius) for sensor in sensors)
-    if noise is not None and alike:
-        sigma = [noise / radius / (b - a + 1) for a, b in placement.spans]
-        expected = score_with_noise_percent_rom(weights, problem.score, sigma)
+    noise = placed_noise(joint, axis, placement.spans, problem.fit)
+    expected = None
+    if noise is not None:
+        expected = score_with_noise_percent_rom(weights, problem.score, noise)
     return {
         "method": placement.method,
         "spans": [list(span) for span in placement.spans],

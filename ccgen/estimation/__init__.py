@@ -1,9 +1,14 @@
-"""Weight matrices per bending axis, by several methods, and their scores."""
+"""Weight matrices per output axis, by several methods, and their scores."""
 
-from ccgen.estimation.fit import FIT_METHODS, fit_joint, fit_weights
+from ccgen.estimation.coupled import fit_coupled
+from ccgen.estimation.fit import FIT_METHODS, fit_joint, fit_weights, in_the_papers_way
 from ccgen.estimation.noise_aware import noise_aware, posterior_covariance
 from ccgen.estimation.score import (
     ErrorRow,
+    axis_errors,
+    elongation_adds,
+    elongation_bias,
+    elongation_warning,
     error_rows,
     noise_gain,
     score_percent_rom,
@@ -17,11 +22,17 @@ __all__ = [
     "FIT_METHODS",
     "ErrorRow",
     "Weights",
+    "axis_errors",
     "direct",
+    "elongation_adds",
+    "elongation_bias",
+    "elongation_warning",
     "equal",
     "error_rows",
+    "fit_coupled",
     "fit_joint",
     "fit_weights",
+    "in_the_papers_way",
     "noise_aware",
     "noise_gain",
     "posterior_covariance",

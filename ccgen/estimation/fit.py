@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from ccgen.errors import InputError
+from ccgen.estimation.coupled import fit_coupled
 from ccgen.estimation.noise_aware import noise_aware
 from ccgen.estimation.simple import direct, equal
 from ccgen.estimation.wam import wam, wam_paper_call
@@ -55,7 +56,7 @@ def fit_weights(
 def fit_joint(
     joint: "Joint", method: str | None = None, shapes: "Shapes | None" = None
 ) -> dict[str, Weights]:
-    """Weights of each output axis, under the keys "u" and "v".
+    """Weights of each output axis, under its name.
 
     Args:
         joint: the joint.
@@ -66,28 +67,26 @@ def fit_joint(
         InputError: as `fit_weights`, naming the joint's file and the axis; ReachError: a shape
             that no load reaches.
     """
-    from ccgen.shapes import axis_library, fit_shapes
+    from ccgen.shapes import fit_shapes
 
-    _check_sets(joint)
     rows = fit_shapes(joint) if shapes is None else shapes
-    rom = joint.geometry.range_of_motion
-    return {
-        axis: _fit_axis(joint, axis, method or joint.method, axis_library(rows, axis, rom))
-        for axis in joint.axes
-    }
+    return {axis: _fit_axis(joint, axis, method or joint.method, rows) for axis in joint.axes}
 
 
-def _check_sets(joint: "Joint") -> None:
-    """Check that weights can be fitted axis by axis, each to sensors that read it alone."""
-    if joint.couples or (joint.u is None and joint.v is None):
-        raise InputError(
-            f"{joint.source}: sensor: weights can be fitted to the sets of [sensors] without "
-            "elongation only; write placement, count and radius there instead"
-        )
+def in_the_papers_way(joint: "Joint") -> bool:
+    """Whether each axis has a set of the paper's kind: whole segments, read by nothing else."""
+    sets = [one for one in (joint.u, joint.v) if one is not None]
+    whole = all(isinstance(end, int) for one in sets for span in one.spans for end in span)
+    return bool(sets) and whole and not joint.couples
 
 
-def _fit_axis(joint: "Joint", axis: str, method: str, library: "ShapeLibrary") -> Weights:
+def _fit_axis(joint: "Joint", axis: str, method: str, shapes: "Shapes") -> Weights:
+    from ccgen.shapes import axis_library
+
     try:
+        if not in_the_papers_way(joint):
+            return fit_coupled(joint, axis, method, shapes)
+        library = axis_library(shapes, axis, joint.geometry.range_of_motion)
         return fit_weights(method, library, joint.axis(axis).spans, reading_noise(joint, axis))
     except InputError as error:
         raise InputError(f"{joint.source}: estimator.method: axis {axis}: {error}") from error

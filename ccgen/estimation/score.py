@@ -14,12 +14,19 @@ from numpy.typing import ArrayLike
 from ccgen.double_double import matmul
 from ccgen.estimation.folded import folded_mean
 from ccgen.estimation.weights import Floats, Weights
-from ccgen.sensing.noise import checked_noise, reading_noise
-from ccgen.sensing.readings import exact_readings
+from ccgen.sensing.noise import checked_noise
+from ccgen.sensing.readings import exact_readings, normalised_response
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
-    from ccgen.shapes import ShapeLibrary
+    from ccgen.shapes import ShapeLibrary, Shapes
+
+
+_ROUNDING = 1e-9
+"""% of ROM below which an error is none."""
+
+_TELLING = 0.1
+"""% of ROM for each 1 % of elongation from which on it is said."""
 
 
 @dataclass(frozen=True)
@@ -30,41 +37,98 @@ class ErrorRow:
         source: where the shapes came from, such as "cases".
         held_out: whether the weights were fitted to other shapes.
         noise: whether readings carry the transducers' noise.
-        mean_percent_rom: mean absolute error of a segment's angle by axis, % of the range of
-            motion (equation 12).
+        mean_percent_rom: mean absolute error of a segment's angle by bending axis, % of the range
+            of motion (equation 12).
+        elongation_rms_percent: root mean square error of a section's elongation, % of the length;
+            None where it is not estimated.
     """
 
     source: str
     held_out: bool
     noise: bool
     mean_percent_rom: dict[str, float]
+    elongation_rms_percent: float | None = None
 
 
 def error_rows(
     joint: "Joint",
     weights: Mapping[str, Weights],
-    libraries: "Mapping[str, ShapeLibrary]",
+    shapes: "Shapes",
+    noise: Mapping[str, Floats | None],
     source: str,
     held_out: bool,
 ) -> list[ErrorRow]:
     """Errors over the shapes of one source: without noise, and with it where it is stated.
 
     Args:
-        joint: its sensors and their noise.
-        weights, libraries: by axis.
+        joint: its sensors.
+        weights: by output axis.
+        shapes: to score on.
+        noise: by output axis, one standard deviation of each reading; None where not stated.
         source, held_out: as in `ErrorRow`.
     """
-    plain = {axis: score_percent_rom(one, libraries[axis]) for axis, one in weights.items()}
-    rows = [ErrorRow(source, held_out, False, plain)]
-    noise = {axis: reading_noise(joint, axis) for axis in weights}
-    noisy = {
-        axis: score_with_noise_percent_rom(weights[axis], libraries[axis], sigma)
-        for axis, sigma in noise.items()
-        if sigma is not None
-    }
-    if len(noisy) == len(weights):
-        rows.append(ErrorRow(source, held_out, True, noisy))
+    silent = {axis: np.zeros(one.sensors) for axis, one in weights.items()}
+    noisy = {axis: noise[axis] for axis in weights}
+    rows = []
+    for with_noise, levels in ((False, silent), (True, noisy)):
+        known = {axis: level for axis, level in levels.items() if level is not None}
+        if len(known) < len(weights):
+            continue
+        means, stretch = {}, None
+        for axis, one in weights.items():
+            errors, spread = axis_errors(joint, axis, one, shapes), _deviations(one, known[axis])
+            if axis == "h":
+                both = np.concatenate([errors, spread[None]], axis=0)
+                both[-1] *= math.sqrt(len(errors))
+                stretch = 100.0 * _norm(both) / math.sqrt(errors.size)
+            else:
+                mean = folded_mean(errors, spread)
+                unit = mean.size * joint.geometry.range_of_motion
+                means[axis] = 100.0 * math.fsum(mean.flat) / unit
+        rows.append(ErrorRow(source, held_out, with_noise, means, stretch))
     return rows
+
+
+def axis_errors(joint: "Joint", axis: str, weights: Weights, shapes: "Shapes") -> Floats:
+    """Estimated minus actual values of an output axis without noise, shape (N, rows)."""
+    state = shapes.state
+    sensed = matmul(state, normalised_response(joint)[joint.own(axis)].T)
+    wanted = state[:, joint.rows(axis)]
+    return (matmul(sensed, weights.matrix.T) + (weights.intercept - wanted)).hi
+
+
+def elongation_bias(joint: "Joint", axis: str, weights: Weights) -> Floats:
+    """What an output axis estimates for each unit of elongation alike in all sections, (rows,).
+
+    Bending axes should not see it at all, in radians a share; "h" should see all of it.
+    """
+    stretched = normalised_response(joint)[joint.own(axis), joint.rows("h")].sum(axis=1)
+    return matmul(weights.matrix, stretched[:, None]).hi[:, 0]
+
+
+def elongation_adds(joint: "Joint", weights: Mapping[str, Weights]) -> dict[str, float]:
+    """Mean error of each bending axis that 1 % of elongation adds, % of the range of motion."""
+    adds = {}
+    for axis, one in weights.items():
+        if axis != "h":
+            bias = np.abs(elongation_bias(joint, axis, one))
+            percent = math.fsum(bias) / (bias.size * joint.geometry.range_of_motion)
+            adds[axis] = percent if percent > _ROUNDING else 0.0
+    return adds
+
+
+def elongation_warning(joint: "Joint", weights: Mapping[str, Weights]) -> str | None:
+    """Say by how much elongation bends an estimate whose sensors cannot tell it from bending.
+
+    Returns:
+        None where the sensors tell it.
+    """
+    adds = elongation_adds(joint, weights)
+    if max(adds.values(), default=0.0) < _TELLING:
+        return None
+    errors = " and ".join(f"{value:.3g} % of ROM to {axis}" for axis, value in adds.items())
+    what = "each 1 % of it" if joint.geometry.elongation else "each 1 % that the joint may elongate"
+    return f"the sensors cannot tell elongation from bending: {what} adds {errors}"
 
 
 def score_percent_rom(weights: Weights, library: "ShapeLibrary") -> float:
@@ -90,8 +154,8 @@ def score_with_noise_percent_rom(
         InputError: noise that is not n finite numbers of at least zero.
     """
     noise = checked_noise(noise_rad, weights.spans)
-    deviations = np.array([_norm(row) for row in weights.matrix * noise])
-    return _percent_rom(folded_mean(_errors(weights, library), deviations), library)
+    errors = folded_mean(_errors(weights, library), _deviations(weights, noise))
+    return _percent_rom(errors, library)
 
 
 def noise_gain(weights: Weights) -> float:
@@ -107,6 +171,11 @@ def _errors(weights: Weights, library: "ShapeLibrary") -> Floats:
 
 def _percent_rom(errors: Floats, library: "ShapeLibrary") -> float:
     return 100.0 * math.fsum(errors.flat) / (errors.size * library.range_of_motion)
+
+
+def _deviations(weights: Weights, noise: Floats) -> Floats:
+    """Deviation of each estimated value under the noise of the readings, shape (rows,)."""
+    return np.array([_norm(row) for row in weights.matrix * noise])
 
 
 def _norm(values: Floats) -> float:

@@ -8,18 +8,25 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ccgen.errors import ArgumentError, ReachError
-from ccgen.estimation import FIT_METHODS, ErrorRow, Weights, error_rows, fit_joint
+from ccgen.estimation import (
+    FIT_METHODS,
+    ErrorRow,
+    Weights,
+    elongation_warning,
+    error_rows,
+    fit_joint,
+)
 from ccgen.estimation.estimate import Estimate, estimate
 from ccgen.fixedpoint.formats import quantise
-from ccgen.fixedpoint.model import FixedPointModel
+from ccgen.fixedpoint.model import FixedPointModel, Floats
 from ccgen.joint import Joint, Sensor
+from ccgen.sensing.noise import second_moment, told_noise
 from ccgen.shapes import (
     Shapes,
-    axis_library,
     bent_alike,
     fit_shapes,
     joined,
-    score_library,
+    score_shapes,
 )
 from ccgen.shapes.given import given_shapes, reach
 
@@ -56,6 +63,15 @@ class Fit:
         return quantise(self.joint, self.weights, held)
 
     @property
+    def noise(self) -> dict[str, Floats | None]:
+        """Deviation of the normalised readings of each output axis; None where not stated.
+
+        With the step of the counts, and the tolerance of the gains over the shapes of the fit.
+        """
+        moment = second_moment(self.shapes.state)
+        return {axis: told_noise(self.joint, axis, moment) for axis in self.weights}
+
+    @property
     def errors(self) -> tuple[ErrorRow, ...]:
         """How far estimates are from the shapes of each source."""
         return self._scored[0]
@@ -84,18 +100,20 @@ class Fit:
     @cached_property
     def _scored(self) -> tuple[tuple[ErrorRow, ...], tuple[str, ...]]:
         joint, rows, warnings = self.joint, [], []
+        noise, fitted = self.noise, self.weights
         try:
-            cases = dict.fromkeys(joint.axes, score_library(joint))
-            rows += error_rows(joint, self.weights, cases, "cases", held_out=True)
+            between = score_shapes(joint)
+            rows += error_rows(joint, fitted, between, noise, "cases", held_out=True)
         except ReachError as error:
             warnings.append(f"the load cases are left out of the errors: {error}")
         for source in dict.fromkeys(self.shapes.source):
             if source == "cases":
                 continue
             given = self.shapes.of_source(source)
-            rom = joint.geometry.range_of_motion
-            libraries = {axis: axis_library(given, axis, rom) for axis in joint.axes}
-            rows += error_rows(joint, self.weights, libraries, source, held_out=False)
+            rows += error_rows(joint, fitted, given, noise, source, held_out=False)
+        bent = elongation_warning(joint, fitted)
+        if bent is not None and joint.geometry.elongation is not None:
+            warnings.append(bent)
         share = reach(joint, self.shapes)
         if share > 1.0 and not self._is_stated:
             warnings.append(

@@ -229,6 +229,18 @@ class Joint:
             raise ValueError(f"joint {self.name} has no set of sensors for axis {name} alone")
         return found
 
+    def rows(self, axis: str) -> slice:
+        """Return the part of a state (u, v, h) that an output axis is, one number a row.
+
+        Raises:
+            ValueError: an unknown axis.
+        """
+        m, sections = self.geometry.segments, len(self.geometry.sections)
+        parts = {"u": slice(0, m), "v": slice(m, 2 * m), "h": slice(2 * m, 2 * m + sections)}
+        if axis not in parts:
+            raise ValueError(f"unknown axis {axis!r}; known: {', '.join(parts)}")
+        return parts[axis]
+
     def members(self, axis: str) -> slice:
         """Return the part of `sensors` that is the paper's set for axis "u" or "v".
 

@@ -4,7 +4,7 @@ from ccgen.placement.constraints import Constraints
 from ccgen.placement.evolution import Evolution, evolve
 from ccgen.placement.methods import METHODS, place_by
 from ccgen.placement.placed import OBJECTIVES, Placed, place
-from ccgen.placement.problem import Placement, Problem, check_placeable, joint_problem
+from ccgen.placement.problem import Placement, Problem, check_placeable, joint_problem, placed_noise
 from ccgen.placement.search import Search, search
 
 __all__ = [
@@ -21,5 +21,6 @@ __all__ = [
     "joint_problem",
     "place",
     "place_by",
+    "placed_noise",
     "search",
 ]

@@ -1,6 +1,6 @@
 """The question of a placement, and its answer."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -18,8 +18,9 @@ from ccgen.estimation.weights import Weights
 from ccgen.joint.layouts import Spans
 from ccgen.placement.constraints import Constraints
 from ccgen.placement.objective import Floats, Indices, ObjectiveModel, objective_model
+from ccgen.sensing.noise import second_moment, told_noise
 from ccgen.sensing.readings import readings
-from ccgen.shapes import ShapeLibrary, fit_library, score_library
+from ccgen.shapes import ShapeLibrary, bent_alike, fit_library, score_library
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
@@ -214,6 +215,30 @@ def alike(joint: "Joint", axis: str, key: str) -> float:
             "be chosen; write one value for all"
         )
     return float(values.pop() or 0.0)
+
+
+def placed_noise(joint: "Joint", axis: str, spans: Spans, library: "ShapeLibrary") -> Floats | None:
+    """Noise of the readings under which errors are told, if an axis' sensors had other spans.
+
+    Args:
+        joint: as `check_placeable` lets pass.
+        axis: "u" or "v".
+        spans: any number of them.
+        library: shapes that tell how far gains are off.
+
+    Returns:
+        Shape (n,), radians; None where it is not stated, or differs among the sensors.
+    """
+    sensors = joint.sensors[joint.own(axis)]
+    if len({(s.noise, s.radius, s.metres_per_count, s.gain_tolerance) for s in sensors}) > 1:
+        return None
+    moved = tuple(
+        replace(sensors[0], name=f"{axis}{j}", start=float(a), end=float(b + 1))
+        for j, (a, b) in enumerate(spans)
+    )
+    alone = replace(joint, sensors=moved, axes=(axis,), parts=((0, len(moved)),))
+    bent = bent_alike(library.angles, len(joint.geometry.sections))
+    return told_noise(alone, axis, second_moment(bent.state))
 
 
 def as_spans(placement: Indices) -> Spans:

@@ -43,10 +43,16 @@ def length_variance(joint: "Joint", second_moment: Floats | None = None) -> Floa
     return np.asarray(variance + np.square(tolerance) * lengths)
 
 
+def second_moment(states: Floats) -> Floats:
+    """E[x x^T] of states, shape (N, D), about zero; shape (D, D), the same bits everywhere."""
+    return matmul(states.T, states).hi / len(states)
+
+
 def reading_noise(joint: "Joint", axis: str) -> Floats | None:
     """Stated standard deviation of the normalised readings of an output axis; None if not stated.
 
-    A transducer's noise in metres over p_j r: a long span averages it down.
+    A transducer's noise in metres over p_j r: a long span averages it down. Weights of the paper's
+    sets are fitted with it.
 
     Returns:
         Shape (n,) for the n sensors that the axis reads, radians.
@@ -56,6 +62,22 @@ def reading_noise(joint: "Joint", axis: str) -> Floats | None:
         return None
     own = joint.own(axis)
     return np.asarray(noise[own] / normaliser(joint)[own])
+
+
+def told_noise(joint: "Joint", axis: str, second_moment: Floats | None = None) -> Floats | None:
+    """Like `reading_noise`, with the step of the counts and the tolerance of the gains.
+
+    Every error that is told holds under it; so do weights of sensors that couple.
+
+    Args:
+        joint: its sensors.
+        axis: an output axis.
+        second_moment: of the states, as of `length_variance`.
+    """
+    if stated_noise(joint) is None:
+        return None
+    own = joint.own(axis)
+    return np.asarray(np.sqrt(length_variance(joint, second_moment))[own] / normaliser(joint)[own])
 
 
 def checked_noise(noise_rad: ArrayLike, spans: AnySpans) -> Floats:

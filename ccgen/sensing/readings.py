@@ -118,6 +118,11 @@ def normaliser(joint: "Joint") -> Floats:
     return np.array([sensor.segments * sensor.radius for sensor in joint.sensors])
 
 
+def normalised_response(joint: "Joint") -> Floats:
+    """Matrix of the normalised readings, shape (n, 2m + S): readings = it @ state."""
+    return np.asarray(response(joint) / normaliser(joint)[:, None])
+
+
 def length_changes(joint: "Joint", state: ArrayLike) -> Floats:
     """Changes of length at these states.
 

@@ -6,11 +6,11 @@ from ccgen.shapes.cases import (
     axis_library,
     beyond_fold,
     fit_library,
-    fit_shapes,
     score_library,
     shape_library,
     single_shape,
 )
+from ccgen.shapes.combined import combined_shapes, fit_shapes, score_shapes
 from ccgen.shapes.library import Shapes, bent_alike, joined, unstretched
 
 __all__ = [
@@ -20,10 +20,12 @@ __all__ = [
     "axis_library",
     "bent_alike",
     "beyond_fold",
+    "combined_shapes",
     "fit_library",
     "fit_shapes",
     "joined",
     "score_library",
+    "score_shapes",
     "shape_library",
     "single_shape",
     "unstretched",

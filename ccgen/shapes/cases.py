@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ccgen.errors import InputError, ReachError
 from ccgen.joint import CASES, Joint
 from ccgen.shapes import beam
-from ccgen.shapes.library import Shapes, bent_alike
+from ccgen.shapes.library import Shapes
 from ccgen.shapes.refinement import segment_angles
 
 FloatArray = NDArray[np.float64]
@@ -107,15 +107,6 @@ def score_library(joint: Joint) -> ShapeLibrary:
         ReachError: names the joint file and its key.
     """
     return _joint_library(joint, joint.shapes.score_samples)
-
-
-def fit_shapes(joint: Joint) -> Shapes:
-    """Build the rows to which the joint's estimators are fitted, bent in both axes alike.
-
-    Raises:
-        ReachError: names the joint file and its key.
-    """
-    return bent_alike(fit_library(joint).angles, len(joint.geometry.sections), "cases")
 
 
 def axis_library(shapes: Shapes, axis: str, range_of_motion: float) -> ShapeLibrary:

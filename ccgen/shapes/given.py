@@ -151,7 +151,7 @@ def _check_elongation(joint: "Joint", shapes: Shapes, argument: str) -> None:
             "such as 0.05 for 5 per cent",
             argument,
         )
-    if largest and "h" not in joint.axes:
+    if largest and joint.geometry.elongation is None:
         raise ArgumentError("h is not 0, but this joint does not elongate; leave it out", argument)
 
 

@@ -1,0 +1,136 @@
+"""Weights where a sensor may read several axes at once: one matrix H for the whole state.
+
+With states x = (u, v, h) and normalised readings y = H x + e, each output axis is fitted to the
+sensors that it reads: all of them where they couple, its own where they do not. The methods are
+those of the paper's sets:
+
+- "direct" and "equal" take, for each segment, the readings of the sensors that cover it, as if it
+  did the same over their spans: the one solution that there is, or that of least squares.
+- "wam" minimises the soft-L1 loss over states (equation 7).
+- "noise-aware" is the linear estimator of least mean square error (`ccgen.estimation.noise_aware`).
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ccgen.double_double import DoubleDouble, concatenate, least_squares, matmul
+from ccgen.errors import InputError
+from ccgen.estimation.minimum import minimum
+from ccgen.estimation.wam import F_SCALE
+from ccgen.estimation.weights import Floats, Weights, without_intercept
+from ccgen.joint.layouts import AnySpans
+from ccgen.sensing.noise import second_moment, told_noise
+from ccgen.sensing.readings import coverage, direction, normalised_response
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ccgen.joint import Joint, Sensor
+    from ccgen.shapes import Shapes
+
+COUPLED_METHODS = ("direct", "equal", "wam", "noise-aware")
+
+
+def fit_coupled(joint: "Joint", axis: str, method: str, shapes: "Shapes") -> Weights:
+    """Weights of one output axis by the method of that name, one of `COUPLED_METHODS`.
+
+    Args:
+        joint: its sensors.
+        axis: "u", "v" or "h".
+        method: its name.
+        shapes: to fit to; "noise-aware" takes their second moment about zero.
+
+    Raises:
+        InputError: unknown method, sensors that it cannot use, or noise not stated.
+    """
+    if method in ("direct", "equal"):
+        matrix = _local(joint, axis, method)
+    elif method == "wam":
+        matrix = _wam(joint, axis, shapes.state)
+    elif method == "noise-aware":
+        matrix = _noise_aware(joint, axis, shapes.state)
+    else:
+        raise InputError(f"unknown method {method!r}; give one of {', '.join(COUPLED_METHODS)}")
+    return without_intercept(method, spans_of(joint.sensors[joint.own(axis)]), matrix)
+
+
+def spans_of(sensors: "Sequence[Sensor]") -> AnySpans:
+    """First and last segments of sensors; numbers with fractions where they cover parts of them."""
+    return tuple(
+        (int(s.start), int(s.end) - 1)
+        if s.start.is_integer() and s.end.is_integer()
+        else (s.start, s.end - 1.0)
+        for s in sensors
+    )
+
+
+def _wam(joint: "Joint", axis: str, states: Floats) -> Floats:
+    sensed = matmul(states, normalised_response(joint)[joint.own(axis)].T)
+    return minimum(sensed, states[:, joint.rows(axis)], F_SCALE)
+
+
+def _noise_aware(joint: "Joint", axis: str, states: Floats) -> Floats:
+    noise = told_noise(joint, axis, second_moment(states))
+    if noise is None:
+        raise InputError(
+            '"noise-aware" needs the noise of the readings; state sensors.transducer.noise '
+            '(metres, one standard deviation) or use "wam"'
+        )
+    root = states / np.sqrt(len(states))
+    sensed = matmul(root, normalised_response(joint)[joint.own(axis)].T)
+    wanted = root[:, joint.rows(axis)]
+    system = concatenate([sensed, DoubleDouble.of(np.diag(noise))])
+    return least_squares(system, np.vstack([wanted, np.zeros((noise.size, wanted.shape[1]))])).T
+
+
+def _local(joint: "Joint", axis: str, method: str) -> Floats:
+    """Weights, shape (rows, n), from the sensors that cover each segment."""
+    unknown = _unknown(joint, axis)
+    columns, scale = _columns(joint, axis, unknown)
+    covered = coverage(joint)[joint.own(axis)] > 0
+    rows = np.zeros((joint.geometry.segments, len(columns)))
+    for i, over in enumerate(covered.T):
+        if method == "direct":
+            _check_direct(i, columns[over], unknown)
+        solved = least_squares(columns[over], np.eye(int(over.sum()))) * scale[:, None]
+        rows[i, over] = solved[unknown.index(axis)]
+    if axis != "h":
+        return rows
+    ends = np.cumsum(joint.geometry.sections)
+    return np.array([part.mean(axis=0) for part in np.split(rows, ends[:-1])])
+
+
+def _check_direct(segment: int, columns: Floats, unknown: "Sequence[str]") -> None:
+    """Check that the sensors over a segment have one solution, without one too many."""
+    count = len(unknown)
+    if len(columns) != count or np.linalg.matrix_rank(columns) < count:
+        raise InputError(
+            f"segment {segment} is covered by {len(columns)} sensors, which must be {count} that "
+            f'tell {", ".join(unknown)} from each other; use the method "equal"'
+        )
+
+
+def _unknown(joint: "Joint", axis: str) -> list[str]:
+    """What the sensors that an axis reads may tell of a segment."""
+    if not joint.couples:
+        return [axis]
+    elongates = joint.geometry.elongation is not None
+    return [one for one in ("u", "v", "h") if one in joint.axes or (one == "h" and elongates)]
+
+
+def _columns(joint: "Joint", axis: str, unknown: "Sequence[str]") -> tuple[Floats, Floats]:
+    """Normalised readings of what is unknown at its largest, shape (n, k), and those sizes, (k,).
+
+    Where readings do not determine the unknown, the solution that is smallest beside these is
+    taken.
+    """
+    geometry = joint.geometry
+    largest = max(map(abs, geometry.elongation), default=1.0) if geometry.elongation else 1.0
+    sizes = {"u": geometry.range_of_motion, "v": geometry.range_of_motion, "h": largest}
+    parts = []
+    for sensor in joint.sensors[joint.own(axis)]:
+        sine, cosine = direction(sensor)
+        parts.append({"u": sine, "v": -cosine, "h": geometry.segment_length / sensor.radius})
+    scale = np.array([sizes[one] for one in unknown])
+    return np.array([[part[one] for one in unknown] for part in parts]) * scale, scale
