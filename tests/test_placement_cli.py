@@ -78,7 +78,8 @@ def test_all_methods_are_compared_and_the_best_is_the_answer():
     found = answer(SHOULDER, "--sensors", 4, *FEW, "--enumerate", 0)
     names = [one["method"] for one in found["methods"]]
     assert names == ["end-to-end", "heuristic", "evolutionary", "search"]
-    assert found["score_percent_rom"] == min(m["score_percent_rom"] for m in found["methods"])
+    score = "score_with_noise_percent_rom"
+    assert found[score] == min(one[score] for one in found["methods"])
     assert found["methods"][3]["optimality"] == "bound"
     assert 0 < found["methods"][3]["gap"] < 1
 
@@ -102,14 +103,31 @@ def test_constraints_of_the_command_line_hold():
     assert all(1 <= sum(a <= k <= b for a, b in spans) <= 2 for k in range(12))
 
 
-def test_noise_is_the_objective_where_asked_or_where_the_estimator_knows_it(tmp_path):
-    found = answer(SHOULDER, "--sensors", 3, "--method", "search", "--objective", "noise")
-    paper = answer(SHOULDER, "--sensors", 3, "--method", "search")
+@pytest.mark.parametrize("estimator", ["wam", "equal", "noise-aware"])
+def test_noise_is_the_objective_wherever_it_is_stated(tmp_path, estimator):
+    joint = tmp_path / "joint.toml"
+    joint.write_text(SHOULDER.read_text().replace('method = "wam"', f'method = "{estimator}"'))
+    found = answer(joint, "--sensors", 3, "--method", "search")
+    paper = answer(joint, "--sensors", 3, "--method", "search", "--objective", "paper")
     assert (found["objective"], paper["objective"]) == ("noise", "paper")
+    assert (found["estimator"], paper["estimator"]) == ("noise-aware", "wam")
     assert found["score_with_noise_percent_rom"] < paper["score_with_noise_percent_rom"]
-    aware = tmp_path / "aware.toml"
-    aware.write_text(SHOULDER.read_text().replace('method = "wam"', 'method = "noise-aware"'))
-    assert answer(aware, "--sensors", 3, "--method", "search") == found
+    assert found == answer(SHOULDER, "--sensors", 3, "--method", "search", "--objective", "noise")
+
+
+@pytest.mark.parametrize("noise", ["", "noise = 0.0"])
+def test_without_noise_the_papers_objective_is_left(tmp_path, noise):
+    joint = tmp_path / "joint.toml"
+    joint.write_text(SHOULDER.read_text().replace("noise = 2.0e-5", noise))
+    assert answer(joint, "--method", "heuristic")["objective"] == "paper"
+
+
+def test_five_sensors_are_placed_for_the_noise_that_they_have():
+    found = answer(SHOULDER, "--sensors", 5)
+    assert found["score_with_noise_percent_rom"] <= 0.125
+    lines = printed(SHOULDER, "--sensors", 5, "--method", "search")
+    assert lines["sensors"]["spans"] == found["spans"]
+    assert lines["estimator"] == {"method": "noise-aware"}
 
 
 def test_spans_are_drawn(tmp_path):
@@ -166,7 +184,7 @@ def test_axes_with_tables_of_their_own_are_placed_one_by_one():
     found = answer(WRIST, "--method", "search")
     assert "spans" not in found
     assert {axis: len(one["spans"]) for axis, one in found["axes"].items()} == {"u": 4, "v": 2}
-    alike = answer(WRIST, "--method", "search", "--sensors", 2)
+    alike = answer(WRIST, "--method", "search", "--sensors", 2, "--objective", "paper")
     assert alike["spans"] == alike["axes"]["u"]["spans"] == alike["axes"]["v"]["spans"]
     assert "score_with_noise_percent_rom" not in alike
     alone = answer(WRIST, "--method", "search", "--axis", "v")
@@ -214,10 +232,12 @@ def test_pasting_what_is_printed_gives_the_printed_score(tmp_path, joint, estima
 def test_an_estimator_that_the_scores_are_not_of_is_named(tmp_path):
     equal = tmp_path / "equal.toml"
     equal.write_text(SHOULDER.read_text().replace('method = "wam"', 'method = "equal"'))
-    result = run(equal, "--method", "heuristic")
-    assert "errors of wam, not of the file's estimator equal" in result.stderr
-    assert result.stdout.endswith('\n[estimator]\nmethod = "wam"\n')
-    assert "estimator" not in run(SHOULDER, "--method", "heuristic").stdout
+    for objective, estimator in (("paper", "wam"), ("noise", "noise-aware")):
+        result = run(equal, "--method", "heuristic", "--objective", objective)
+        assert f"errors of {estimator}, not of the file's estimator equal" in result.stderr
+        assert result.stdout.endswith(f'\n[estimator]\nmethod = "{estimator}"\n')
+    paper = run(SHOULDER, "--method", "heuristic", "--objective", "paper")
+    assert "estimator" not in paper.stdout
 
 
 def test_table_fits_a_narrow_terminal_and_says_what_a_gap_is_worth():

@@ -327,3 +327,18 @@ def test_a_joint_file_states_the_noise_of_the_objective():
     assert quiet.noise == 0.0
     assert noisy.noise == pytest.approx(joint.u.transducer.noise / joint.u.radius)
     assert noisy.percent(heuristic(12, 3)) > quiet.percent(heuristic(12, 3))
+
+
+@pytest.mark.parametrize("degrees", [1e-2, 1e-3, 1e-4, 1e-6, 1e-9])
+@pytest.mark.parametrize(("segments", "sensors"), [(6, 2), (5, 3)])
+def test_at_a_tiny_range_of_motion_nothing_better_than_the_proven_is_left(
+    segments, sensors, degrees
+):
+    posed = problem(segments, degrees, sensors)
+    found = search(posed)
+    best = min(posed.percent(spans) for spans in every_allowed(posed))
+    if found.optimality == "proven":
+        assert found.percent == pytest.approx(best, rel=1e-11)
+    else:
+        assert (found.optimality, found.gap) == ("none", None)
+        assert best <= found.percent <= NEGLIGIBLE

@@ -49,8 +49,8 @@ def place(
         Objective | None,
         typer.Option(
             "--objective",
-            help="paper: error of WAM without noise; noise: expected error of the noise-aware"
-            " estimator under the transducer's noise.  [default: by the joint's estimator]",
+            help="noise: expected error of the noise-aware estimator under the transducer's noise;"
+            " paper: error of WAM without noise.  [default: noise where the file states it]",
         ),
     ] = None,
     shortest: Annotated[

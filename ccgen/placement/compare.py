@@ -10,11 +10,20 @@ from ccgen.placement.problem import Problem, as_spans
 ROUNDING = 1e-6
 """Share of an objective by which the ways of computing it may differ by rounding."""
 
+RESOLUTION = 1e-12
+"""Objective in % below which the fast ways of computing it are nothing but rounding."""
 
 NEGLIGIBLE = 1e-10
-"""Objective in % below which only rounding differs: as many independent readings as segments."""
+"""Objective in % below which placements count as equally good: the shapes show as many independent
+readings as there are sensors, or the range of motion is so small that they are hardly bent."""
 
 _AT_ONCE = 256
+
+_SETTLED = 64
+"""Placements that the fast ways leave alike whose weights are fitted to the last digit."""
+
+_EQUAL = 1e-12
+"""Share of an objective by which weights that are fitted so may still differ."""
 
 
 def best_of(problem: Problem, candidates: Indices) -> tuple[Spans, float]:
@@ -29,17 +38,33 @@ def best_of(problem: Problem, candidates: Indices) -> tuple[Spans, float]:
     )
     ordered = np.array(distinct, dtype=np.intp)
     likely = int(np.argmin(problem.model.values(ordered)))
-    chosen, lowest = ordered[likely], np.inf
     rivals = within(problem, ordered, problem.percent(distinct[likely]))
+    rivals = rivals if len(rivals) else ordered[likely : likely + 1]
+    parts: list[Floats] = []
     for start in range(0, len(rivals), _AT_ONCE):
-        percents = np.maximum(problem.percents(rivals[start : start + _AT_ONCE]), NEGLIGIBLE)
-        least = int(np.argmin(percents))
-        if percents[least] < lowest:
-            chosen, lowest = rivals[start + least], float(percents[least])
-        if lowest <= NEGLIGIBLE:
+        parts.append(problem.percents(rivals[start : start + _AT_ONCE]))
+        if parts[-1].min() <= NEGLIGIBLE:
             break
-    spans = as_spans(chosen)
-    return spans, problem.percent(spans)
+    return _settled(problem, rivals, np.maximum(np.concatenate(parts), NEGLIGIBLE))
+
+
+def _settled(problem: Problem, rivals: Indices, percents: Floats) -> tuple[Spans, float]:
+    """The best of those whose objective is the lowest but for rounding, and its `percent`.
+
+    Args:
+        problem: the joint and its sensors.
+        rivals: placements, the shortest first.
+        percents: their objective, none below the negligible one; may be shorter.
+    """
+    lowest = float(percents.min())
+    if lowest <= NEGLIGIBLE:
+        spans = as_spans(rivals[int(np.argmin(percents))])
+        return spans, problem.percent(spans)
+    close = np.flatnonzero(percents <= lowest * (1 + ROUNDING) + RESOLUTION)
+    nearest = close[np.argsort(percents[close], kind="stable")][:_SETTLED]
+    exact = [(as_spans(rivals[k]), problem.percent(as_spans(rivals[k]))) for k in sorted(nearest)]
+    limit = min(percent for _, percent in exact) * (1 + _EQUAL)
+    return next((spans, percent) for spans, percent in exact if percent <= limit)
 
 
 def total_length(spans: Spans) -> int:
@@ -52,7 +77,8 @@ def within(problem: Problem, placements: Indices, limit: float) -> Indices:
 
     A negligible limit counts as `NEGLIGIBLE`.
     """
-    return placements[_lower_bounds(problem, placements) <= max(limit, NEGLIGIBLE) * (1 + ROUNDING)]
+    allowed = max(limit, NEGLIGIBLE) * (1 + ROUNDING) + RESOLUTION
+    return placements[_lower_bounds(problem, placements) <= allowed]
 
 
 def _lower_bounds(problem: Problem, placements: Indices) -> Floats:

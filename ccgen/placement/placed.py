@@ -14,6 +14,7 @@ from ccgen.placement.evolution import Evolution
 from ccgen.placement.methods import METHODS, place_by
 from ccgen.placement.problem import Placement, Problem, check_placeable, joint_problem
 from ccgen.placement.search import Search
+from ccgen.sensing.noise import stated_noise
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
@@ -76,7 +77,7 @@ def place(
         sensors: number of sensors of an axis, instead of the joint's.
         method: one of `METHODS`; by default all that apply are compared.
         axis: "u" or "v" alone.
-        objective: one of `OBJECTIVES`; by default that of the joint's estimator.
+        objective: one of `OBJECTIVES`; by default noise where the joint states it.
         constraints: what the builder allows.
         evolution, search: settings of the methods that search.
         report: called now and then.
@@ -137,7 +138,10 @@ def _check(
 
 
 def _usual_objective(joint: "Joint") -> str:
-    return "noise" if joint.method == "noise-aware" else "paper"
+    """Noise that is stated counts, whatever the joint's estimator, which placing may change."""
+    noise = stated_noise(joint)
+    stated = noise is not None and bool(noise.all())
+    return "noise" if stated or joint.method == "noise-aware" else "paper"
 
 
 def _tables(joint: "Joint", axis: str | None) -> list[tuple[str, tuple[str, ...]]]:

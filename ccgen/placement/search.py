@@ -9,7 +9,7 @@ import numpy as np
 from ccgen.errors import InputError, require_least
 from ccgen.joint.layouts import Spans, end_to_end, heuristic
 from ccgen.placement.bound import lower_bound
-from ccgen.placement.compare import best_of, within
+from ccgen.placement.compare import NEGLIGIBLE, best_of, within
 from ccgen.placement.descent import BROKEN, Descent
 from ccgen.placement.exhaustive import Walk, count_allowed, covering
 from ccgen.placement.objective import Indices
@@ -79,7 +79,7 @@ def search(
 
 
 def enumerate_all(problem: Problem, report: Report = silent, count: int = 0) -> Placement:
-    """Find the best placement of all, and prove it.
+    """Find the best placement of all, and prove it where its objective is more than rounding.
 
     For the paper's objective every placement is evaluated with squares in place of the soft-L1
     loss; those that the difference cannot rule out are then compared by `Problem.percents`.
@@ -109,6 +109,8 @@ def enumerate_all(problem: Problem, report: Report = silent, count: int = 0) -> 
         compared += len(chunk)
         report((evaluations + compared) // 2, count)
     spans, percent = best_of(problem, np.concatenate(rivals))
+    if percent <= NEGLIGIBLE and evaluations > 1:
+        return Placement("search", spans, percent, evaluations)
     return Placement("search", spans, percent, evaluations, "proven", 0.0)
 
 
@@ -152,7 +154,7 @@ def descend(
         )
     spans, percent = best_of(problem, finalists)
     floor = lower_bound(problem.model, problem.sensors)
-    if not 0 < floor <= percent:
+    if not 0 < floor <= percent or percent <= NEGLIGIBLE:
         return Placement("search", spans, percent, descent.evaluations)
     return Placement("search", spans, percent, descent.evaluations, "bound", 1 - floor / percent)
 
