@@ -14,7 +14,7 @@ from ccgen.can.layout import FAULTS, tip_fraction_bits
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts as counts_at
-from ccgen.sensing.motion import motion
+from ccgen.sensing.motion import joint_motion
 from ccgen.shapes import ShapeLibrary, Shapes
 
 Floats = NDArray[np.float64]
@@ -84,7 +84,7 @@ def simulated_stream(
         rate_hz: snapshots a second.
     """
     count, period = max(1, round(seconds * rate_hz)), max(1, round(_ROUND_SECONDS * rate_hz))
-    shapes = motion(source, library, count, period)
+    shapes = joint_motion(joint, source, library, count, period)
     counts = counts_at(joint, (model.u, model.v), shapes)
     return Stream(joint, model, source, rate_hz, shapes, counts)
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +20,7 @@ from ccgen.estimation import (
 from ccgen.estimation.estimate import Estimate, estimate
 from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.model import FixedPointModel, Floats
-from ccgen.joint import Joint, Sensor
+from ccgen.joint import AXES, Joint, Sensor
 from ccgen.sensing.noise import second_moment, told_noise
 from ccgen.shapes import (
     Shapes,
@@ -53,13 +54,14 @@ class Fit:
     def model(self) -> FixedPointModel:
         """The integer reference model.
 
-        Its formats hold the shapes; where those are not the joint's own load cases, also the
-        joint at its range of motion, which a few shapes need not reach.
+        Its formats hold the shapes; where those are not the joint's own load cases, or where axes
+        meet in a sensor, also the joint at its range of motion in all axes at once.
 
         Raises:
             FormatError: no format fits; names the sensor, the key and the remedy.
         """
-        held = self.shapes if self._is_stated else joined([self.shapes, _at_range(self.joint)])
+        alone = self._is_stated and not self.joint.couples
+        held = self.shapes if alone else joined([self.shapes, _at_range(self.joint)])
         return quantise(self.joint, self.weights, held)
 
     @property
@@ -123,10 +125,18 @@ class Fit:
 
 
 def _at_range(joint: Joint) -> Shapes:
-    """The joint bent as far as it goes, to either side in both axes at once."""
-    farthest = np.full(joint.geometry.segments, joint.geometry.range_of_motion)
-    sections = len(joint.geometry.sections)
-    return bent_alike(np.array([farthest, -farthest]), sections, "range of motion")
+    """The joint bent as far as it goes, to either side in both axes at once, and stretched so."""
+    geometry = joint.geometry
+    if not joint.couples:
+        farthest = np.full(geometry.segments, geometry.range_of_motion)
+        bends = np.array([farthest, -farthest])
+        return bent_alike(bends, len(geometry.sections), "range of motion")
+    both = (-geometry.range_of_motion, geometry.range_of_motion)
+    sides = [both if axis in joint.axes else (0.0,) for axis in AXES]
+    corners = np.array(list(product(*sides, geometry.elongation or (0.0,))))
+    columns = (geometry.segments, geometry.segments, len(geometry.sections))
+    u, v, h = (np.outer(corners[:, k], np.ones(count)) for k, count in enumerate(columns))
+    return Shapes(u, v, h, ("range of motion",) * len(corners))
 
 
 def fit(

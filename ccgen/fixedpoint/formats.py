@@ -16,17 +16,24 @@ import numpy as np
 
 from ccgen.double_double import matmul
 from ccgen.errors import FormatError
-from ccgen.estimation import Weights
+from ccgen.estimation import Weights, in_the_papers_way
 from ccgen.fixedpoint import bounds
-from ccgen.fixedpoint.model import AxisModel, FixedPointModel, Floats, Integers
+from ccgen.fixedpoint.model import (
+    AxisModel,
+    FixedPointModel,
+    Floats,
+    Integers,
+    RelativeRange,
+    SensorRanges,
+)
 from ccgen.fixedpoint.ranges import (
     MARGIN,
-    CountRange,
     SensorPlace,
     count_gains,
     count_range,
 )
-from ccgen.joint import AXES, Joint
+from ccgen.fixedpoint.relative import relative_ranges
+from ccgen.joint import Joint
 from ccgen.sensing.counts import counts_of
 from ccgen.shapes import Shapes
 
@@ -49,11 +56,11 @@ class _Format:
 
 @dataclass(frozen=True, eq=False)
 class _Axis:
-    """One axis before quantisation: rad per count, intercept in rad, counts' ranges."""
+    """One axis before quantisation: rad per count, intercept in rad, largest |count - zero|."""
 
     gains: Floats
     intercept: Floats
-    ranges: CountRange
+    span: Integers
     precision: int
 
     @property
@@ -62,35 +69,29 @@ class _Axis:
 
 
 def quantise(joint: Joint, weights: Mapping[str, Weights], shapes: Shapes) -> FixedPointModel:
-    """Fixed-point model of both axes in the joint's precision.
+    """Fixed-point model of all output axes in the joint's precision.
 
     Args:
         joint: the specification.
-        weights: of axes "u" and "v".
+        weights: by output axis.
         shapes: that the sensors must follow; sets undeclared ranges and the angle's format.
 
     Raises:
         FormatError: no format fits; names the sensor, the key and the remedy.
     """
-    models = [_quantise_axis(joint, axis, weights[axis], shapes) for axis in AXES]
-    return FixedPointModel(joint.name, joint.precision, *models)
+    models = {axis: _quantise_axis(joint, axis, weights[axis], shapes) for axis in joint.axes}
+    return FixedPointModel(joint.name, joint.precision, models)
 
 
 def _quantise_axis(joint: Joint, name: str, weights: Weights, shapes: Shapes) -> AxisModel:
-    ranges = count_range(joint, name, shapes)
-    axis = _Axis(count_gains(joint, name, weights), weights.intercept, ranges, joint.precision)
+    ranges = _ranges(joint, name, shapes)
+    axis = _Axis(count_gains(joint, name, weights), weights.intercept, ranges.span, joint.precision)
     counts = counts_of(joint, shapes)[:, joint.own(name)]
     ideal = (matmul(counts, axis.gains.T) + axis.intercept).hi
     best = _choose(axis, float(np.abs(ideal).max()))
     if best is None:
-        j = int(np.argmax(ranges.span))
-        widest = SensorPlace(joint, name, j).said("range")
-        raise FormatError(
-            f"{widest} is {ranges.span[j]} counts wide and leaves "
-            f"no {joint.precision}-bit format for the weights; narrow the range"
-            + ("" if joint.precision == 32 else " or use precision = 32")
-        )
-    percent = 100.0 / joint.geometry.range_of_motion
+        raise FormatError(_no_format(joint, name, ranges.span))
+    percent = 100.0 / (1.0 if name == "h" else joint.geometry.range_of_motion)
     angles = (counts @ best.weights.T + best.bias) >> best.shift
     angles = np.clip(angles, -axis.angle_limit, axis.angle_limit)
     return AxisModel(
@@ -100,15 +101,46 @@ def _quantise_axis(joint: Joint, name: str, weights: Weights, shapes: Shapes) ->
         bias=best.bias,
         shift=best.shift,
         fraction_bits=best.fraction_bits,
-        minimum=ranges.minimum,
-        maximum=ranges.maximum,
-        zero=np.zeros_like(ranges.minimum),
+        minimum=ranges.counts.minimum,
+        maximum=ranges.counts.maximum,
+        zero=ranges.counts.zero,
         saturates=best.largest_angle > axis.angle_limit,
         headroom_bits=bounds.headroom_bits(best.accumulator, 2 * joint.precision),
         worst_error_percent_rom=percent
         * float(best.weight_error + bounds.rounding_error(best.shift, best.fraction_bits)),
         rms_error_percent_rom=percent
         * bounds.rms(np.ldexp(angles.astype(np.float64), -best.fraction_bits) - ideal),
+        first=joint.own(name).start,
+        relative=ranges.relative,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Ranges:
+    """Counts of the sensors of an axis, and the largest |count - zero| that is a reading."""
+
+    counts: SensorRanges
+    span: Integers
+    relative: RelativeRange | None = None
+
+
+def _ranges(joint: Joint, axis: str, shapes: Shapes) -> _Ranges:
+    """Ranges of counts of the paper's sets, as their C has them; of all else relative to a zero."""
+    plain = all(sensor.signed and sensor.zero is None for sensor in joint.sensors)
+    if plain and in_the_papers_way(joint):
+        absolute = count_range(joint, axis, shapes)
+        zero = np.zeros_like(absolute.minimum)
+        return _Ranges(SensorRanges(absolute.minimum, absolute.maximum, zero), absolute.span)
+    counts, relative = relative_ranges(joint, axis, shapes)
+    return _Ranges(counts, relative.span, relative)
+
+
+def _no_format(joint: Joint, axis: str, span: Integers) -> str:
+    j = int(np.argmax(span))
+    return (
+        f"{SensorPlace(joint, axis, j).said('range')} is {span[j]} counts wide and leaves "
+        f"no {joint.precision}-bit format for the weights; narrow the range"
+        + ("" if joint.precision == 32 else " or use precision = 32")
     )
 
 
@@ -133,10 +165,10 @@ def _format(axis: _Axis, fraction_bits: int) -> _Format | None:
         half = 1 << (shift - 1) if shift else 0
         weights = rounded.astype(np.int64)
         bias = np.array([o + half for o in offsets], dtype=np.int64)
-        accumulator = bounds.largest_accumulator(weights, bias, axis.ranges.span)
+        accumulator = bounds.largest_accumulator(weights, bias, axis.span)
         if accumulator + (1 << shift) <= accumulator_limit:
             error = bounds.weight_error(
-                axis.gains, axis.intercept, weights, offsets, scale, axis.ranges.span
+                axis.gains, axis.intercept, weights, offsets, scale, axis.span
             )
             return _Format(fraction_bits, shift, weights, bias, accumulator, error)
     return None

@@ -5,8 +5,12 @@
     angle_i = saturate(acc_i >> shift)
 
 NumPy's int64 carries every value exactly: |acc| < 2^63 is proven when a model is made.
+
+An output axis reads a contiguous part of the joint's one list of sensors: its own where axes are
+independent, all of them where sensors couple.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,23 +21,47 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class AxisModel:
-    """Fixed-point estimator of one bending axis with m segments and n sensors.
+class RelativeRange:
+    """Ranges relative to a zero that may be captured: shape (n,) counts, ends included.
 
     Attributes:
-        axis: "u" or "v".
+        minimum, maximum: lowest and highest difference of a reading and the zero.
+        zero_minimum, zero_maximum: zeros that leave the range of motion within the counts.
+    """
+
+    minimum: Integers
+    maximum: Integers
+    zero_minimum: Integers
+    zero_maximum: Integers
+
+    @property
+    def span(self) -> Integers:
+        """Largest |count - zero|; shape (n,)."""
+        return np.maximum(-self.minimum, self.maximum)
+
+
+@dataclass(frozen=True, eq=False)
+class AxisModel:
+    """Fixed-point estimator of one output axis: m rows, of segments or sections, and n sensors.
+
+    Attributes:
+        axis: "u", "v" or "h".
         precision: bits of counts, weights and angles, 16 or 32.
         weights: shape (m, n), angle steps times 2^shift per count.
         bias: shape (m,), intercept and rounding half, in steps of the accumulator.
         shift: bits dropped from the accumulator.
-        fraction_bits: an angle of 1 rad is 2^fraction_bits.
-        minimum, maximum: shape (n,), the transducers' declared ranges in counts.
+        fraction_bits: an angle of 1 rad, or a share of 1, is 2^fraction_bits.
+        minimum, maximum: shape (n,), lowest and highest counts of a reading.
         zero: shape (n,), counts at the straight pose.
         saturates: whether some count and zero in range exceed the angle's format.
         headroom_bits: doublings the accumulator stays clear of overflow.
         worst_error_percent_rom: proven bound of what quantisation adds, over all counts and
             zeros in range; where the axis saturates, over those that do not.
-        rms_error_percent_rom: root mean square of what it adds over the shape library.
+        rms_error_percent_rom: root mean square of what it adds over the shape library. Of "h"
+            both are % of the length.
+        first: number of its first sensor in the joint's list.
+        relative: what a zero may be and how far readings may lie from it; None where any zero and
+            any reading within the range of counts will do.
     """
 
     axis: str
@@ -49,11 +77,18 @@ class AxisModel:
     headroom_bits: int
     worst_error_percent_rom: float
     rms_error_percent_rom: float
+    first: int = 0
+    relative: "RelativeRange | None" = None
 
     @property
     def segments(self) -> int:
-        """Number of segments m."""
+        """Number m of rows: segments, or sections of "h"."""
         return int(self.weights.shape[0])
+
+    @property
+    def part(self) -> slice:
+        """The part of the joint's list of sensors that this axis reads."""
+        return slice(self.first, self.first + self.sensors)
 
     @property
     def sensors(self) -> int:
@@ -68,18 +103,37 @@ class AxisModel:
     @property
     def narrow(self) -> bool:
         """Whether every difference of a count and a zero in range fits int16."""
+        if self.relative is not None:
+            return bool(np.all(self.relative.span <= 2**15 - 1))
         return bool(np.all(self.maximum - self.minimum <= 2**15 - 1))
 
-    def missing(self, counts: ArrayLike) -> NDArray[np.bool_]:
-        """Which readings lie outside their transducer's range; shape (..., n)."""
+    def missing(self, counts: ArrayLike, zero: ArrayLike | None = None) -> NDArray[np.bool_]:
+        """Which readings lie outside their range; shape (..., n).
+
+        Args:
+            counts: shape (..., n).
+            zero: as of `estimate`.
+        """
         values = np.asarray(counts, dtype=np.int64)
-        return np.asarray((values < self.minimum) | (values > self.maximum))
+        outside = (values < self.minimum) | (values > self.maximum)
+        if self.relative is not None:
+            far = values - (self.zero if zero is None else np.asarray(zero, dtype=np.int64))
+            outside |= (far < self.relative.minimum) | (far > self.relative.maximum)
+        return np.asarray(outside)
+
+    def refused(self, zero: ArrayLike) -> NDArray[np.bool_]:
+        """Which zeros would leave the range of motion without counts; shape (..., n)."""
+        values = np.asarray(zero, dtype=np.int64)
+        low, high = self.minimum, self.maximum
+        if self.relative is not None:
+            low, high = self.relative.zero_minimum, self.relative.zero_maximum
+        return np.asarray((values < low) | (values > high))
 
     def estimate(self, counts: ArrayLike, zero: ArrayLike | None = None) -> Integers:
         """Angles of all segments, integers in steps of 2^-fraction_bits rad.
 
         Args:
-            counts: shape (..., n), each within its transducer's range.
+            counts: shape (..., n), each within its range.
             zero: shape (n,) or (..., n), counts at the straight pose; the model's own by default.
 
         Returns:
@@ -90,7 +144,7 @@ class AxisModel:
         """
         values = np.asarray(counts, dtype=np.int64)
         offset = self.zero if zero is None else np.asarray(zero, dtype=np.int64)
-        if self.missing(values).any() or self.missing(offset).any():
+        if self.missing(values, offset).any() or self.refused(offset).any():
             raise ValueError(f"axis {self.axis}: a count or a zero is outside its range")
         angles = ((values - offset) @ self.weights.T + self.bias) >> self.shift
         return np.asarray(np.clip(angles, -self.angle_limit, self.angle_limit))
@@ -101,38 +155,81 @@ class AxisModel:
 
 
 @dataclass(frozen=True, eq=False)
+class SensorRanges:
+    """What all n sensors of a joint may count, in the joint's order; shape (n,) each."""
+
+    minimum: Integers
+    maximum: Integers
+    zero: Integers
+
+    @property
+    def sensors(self) -> int:
+        """Number n of sensors."""
+        return int(self.zero.size)
+
+
+@dataclass(frozen=True, eq=False)
 class FixedPointModel:
-    """Both axes of a joint."""
+    """All output axes of a joint.
+
+    Attributes:
+        name: the joint's.
+        precision: bits of counts, weights and angles, 16 or 32.
+        axes: models by output axis, in the order "u", "v", "h".
+    """
 
     name: str
     precision: int
-    u: AxisModel
-    v: AxisModel
+    axes: Mapping[str, AxisModel]
+
+    @property
+    def u(self) -> AxisModel:
+        """Bending about x."""
+        return self.axes["u"]
+
+    @property
+    def v(self) -> AxisModel:
+        """Bending about y."""
+        return self.axes["v"]
 
     def axis(self, name: str) -> AxisModel:
-        """Return axis "u" or "v"."""
-        return {"u": self.u, "v": self.v}[name]
+        """Return an output axis."""
+        return self.axes[name]
 
     @property
     def segments(self) -> int:
         """Number of segments m."""
-        return self.u.segments
+        return next(model.segments for axis, model in self.axes.items() if axis != "h")
+
+    @property
+    def readings(self) -> SensorRanges:
+        """The ranges and zeros of all sensors; those that axes share are alike in each."""
+        size = max(model.first + model.sensors for model in self.axes.values())
+        ranges = SensorRanges(*(np.zeros(size, dtype=np.int64) for _ in range(3)))
+        for model in self.axes.values():
+            for name in ("minimum", "maximum", "zero"):
+                getattr(ranges, name)[model.part] = getattr(model, name)
+        return ranges
 
     def estimate(self, counts: ArrayLike, zero: ArrayLike | None = None) -> Integers:
-        """Angles of both axes, u then v, from counts and zeros, u then v.
+        """Values of all axes, one axis after the other, from counts and zeros of all sensors.
 
         Args:
-            counts: shape (..., nu + nv).
-            zero: shape (nu + nv,) or (..., nu + nv); the model's own by default.
+            counts: shape (..., n), in the joint's order of sensors.
+            zero: shape (n,) or (..., n); the model's own by default.
 
         Returns:
-            Shape (..., 2 m).
+            Shape (..., rows of all axes).
 
         Raises:
             ValueError: a count or a zero is out of range.
         """
-        split = [self.u.sensors]
-        own = np.concatenate([self.u.zero, self.v.zero])
-        u, v = np.split(np.asarray(counts, dtype=np.int64), split, axis=-1)
-        zero_u, zero_v = np.split(np.asarray(own if zero is None else zero), split, axis=-1)
-        return np.concatenate([self.u.estimate(u, zero_u), self.v.estimate(v, zero_v)], axis=-1)
+        values = np.asarray(counts, dtype=np.int64)
+        offset = self.readings.zero if zero is None else np.asarray(zero, dtype=np.int64)
+        return np.concatenate(
+            [
+                model.estimate(values[..., model.part], offset[..., model.part])
+                for model in self.axes.values()
+            ],
+            axis=-1,
+        )

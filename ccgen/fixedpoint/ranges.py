@@ -88,7 +88,9 @@ class SensorPlace:
         """Where a key of the sensor stands, and which sensor it is."""
         first, last = self.sensor.start, self.sensor.end - 1
         place = sensor_key(self.joint, self.joint.own(self.axis).start + self.j, key)
-        which = f"sensor {self.j} of axis {self.axis} (span [{first:g}, {last:g}])"
+        which = f"sensor {self.sensor.name}"
+        if self.joint.u is not None or self.joint.v is not None:
+            which = f"sensor {self.j} of axis {self.sensor.name[0]} (span [{first:g}, {last:g}])"
         return f"{self.joint.source}: {place}: {which}"
 
     def range(self, needed: int, move: float) -> tuple[int, int]:

@@ -8,11 +8,13 @@ import numpy as np
 
 from ccgen import FORMAT_VERSION
 from ccgen.errors import InputError
-from ccgen.fixedpoint.model import AxisModel, FixedPointModel
-from ccgen.joint import AXES
+from ccgen.fixedpoint.model import AxisModel, FixedPointModel, RelativeRange
+from ccgen.joint.specification import OUTPUT_AXES
 
 _ARRAYS = ("weights", "bias", "minimum", "maximum", "zero")
+_RELATIVE = ("minimum", "maximum", "zero_minimum", "zero_maximum")
 _SCALARS: dict[str, type] = {
+    "first": int,
     "shift": int,
     "fraction_bits": int,
     "saturates": bool,
@@ -30,7 +32,7 @@ def model_json(model: FixedPointModel) -> str:
                 "format": FORMAT_VERSION,
                 "name": model.name,
                 "precision": model.precision,
-                "axes": {name: _axis_record(model.axis(name)) for name in AXES},
+                "axes": {name: _axis_record(axis) for name, axis in model.axes.items()},
             },
             indent=1,
         )
@@ -51,8 +53,11 @@ def load_model(path: Path) -> FixedPointModel:
                 f"{path}: format: is {record['format']}, this ccgen reads {FORMAT_VERSION}; "
                 f"export the joint again"
             )
-        axes = [_axis_model(name, record["precision"], record["axes"][name]) for name in AXES]
-        return FixedPointModel(record["name"], record["precision"], *axes)
+        precision, axes = record["precision"], record["axes"]
+        if not set(axes) <= set(OUTPUT_AXES) or not set(axes) & set(OUTPUT_AXES[:2]):
+            raise ValueError(f"axes {', '.join(axes)}")
+        models = {name: _axis_model(name, precision, axes[name]) for name in axes}
+        return FixedPointModel(record["name"], precision, models)
     except OSError as error:
         raise InputError(
             f"{path}: {error.strerror}; name a folder that `ccgen export` wrote"
@@ -63,12 +68,19 @@ def load_model(path: Path) -> FixedPointModel:
 
 def _axis_record(axis: AxisModel) -> dict[str, Any]:
     arrays = {key: getattr(axis, key).tolist() for key in _ARRAYS}
-    return {key: getattr(axis, key) for key in _SCALARS} | arrays
+    record: dict[str, Any] = {key: getattr(axis, key) for key in _SCALARS} | arrays
+    if axis.relative is not None:
+        record["relative"] = {key: getattr(axis.relative, key).tolist() for key in _RELATIVE}
+    return record
 
 
 def _axis_model(name: str, precision: int, record: dict[str, Any]) -> AxisModel:
     values: dict[str, Any] = {key: kind(record[key]) for key, kind in _SCALARS.items()}
     values |= {key: np.array(record[key], dtype=np.int64) for key in _ARRAYS}
+    if "relative" in record:
+        ranges = record["relative"]
+        arrays = {key: np.array(ranges[key], dtype=np.int64) for key in _RELATIVE}
+        values["relative"] = RelativeRange(**arrays)
     model = AxisModel(axis=name, precision=precision, **values)
     _check(model)
     return model
@@ -81,6 +93,10 @@ def _check(axis: AxisModel) -> None:
     if axis.weights.ndim != 2 or 0 in axis.weights.shape:
         raise ValueError(f"axis {axis.axis}: weights of shape {axis.weights.shape}")
     expected = {"bias": axis.segments} | dict.fromkeys(("minimum", "maximum", "zero"), axis.sensors)
+    if axis.relative is not None:
+        for key in _RELATIVE:
+            if getattr(axis.relative, key).shape != (axis.sensors,):
+                raise ValueError(f"axis {axis.axis}: {key} of a relative range of another shape")
     for key, length in expected.items():
         if getattr(axis, key).shape != (length,):
             raise ValueError(

@@ -5,11 +5,8 @@ from collections.abc import Iterable, Sequence
 
 from ccgen.joint.messages import KeyProblemError, toml_value
 from ccgen.joint.spans import segments_said
-from ccgen.joint.specification import Geometry, Sensor
+from ccgen.joint.specification import OUTPUT_AXES, Geometry, Sensor
 from ccgen.joint.tables import JointTable
-
-OUTPUT_AXES = ("u", "v", "h")
-"""Bending about x, bending about y, elongation."""
 
 _SEES = {"u": "90 or 270", "v": "0 or 180"}
 """Degrees at which a sensor reads this bending axis alone."""

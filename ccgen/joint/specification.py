@@ -15,6 +15,9 @@ from ccgen.joint.loads import LoadRanges
 AXES = ("u", "v")
 """The bending axes: u about local x, v about local y."""
 
+OUTPUT_AXES = (*AXES, "h")
+"""What may be estimated: the bending axes, and the elongation of sections."""
+
 CASES = ("end-force", "uniform", "s-shape", "constant-curvature")
 """The load cases whose shapes the weights are fitted to."""
 

@@ -94,18 +94,40 @@ def random_counts(axes: Sequence[DeclaredRange], count: int, seed: int = 0) -> I
 
 
 def corner_counts(axes: Sequence[DeclaredRange]) -> Integers:
-    """Every corner of every axis' declared range, at least once each; shape (k, sum of sensors).
+    """Corners of every axis' declared range, at least once each; shape (k, sum of sensors).
 
-    All axes turn their corners at the same time, for they do not meet in any angle; the last two
-    rows are the zeros and the zeros' neighbours.
+    All corners of up to 8 sensors; of more, so many that the ends of any three of them meet in
+    every combination, and each sensor alone at either end. All axes turn their corners at the same
+    time, for they do not meet in any angle; the last two rows are the zeros and the zeros'
+    neighbours.
     """
-    rows = 2 ** max(axis.sensors for axis in axes)
-    return np.concatenate([_axis_corners(axis, rows) for axis in axes], axis=1)
+    chosen = [_upper_ends(axis.sensors) for axis in axes]
+    rows = max(len(one) for one in chosen)
+    return np.concatenate(
+        [_axis_corners(axis, upper, rows) for axis, upper in zip(axes, chosen, strict=True)], axis=1
+    )
 
 
-def _axis_corners(axis: DeclaredRange, rows: int) -> Integers:
-    ends = list(zip(axis.minimum.tolist(), axis.maximum.tolist(), strict=True))
-    corners = np.array(list(product(*ends)), dtype=np.int64)
+_ALL_CORNERS = 8
+"""Sensors of which all corners are taken."""
+
+
+def _upper_ends(sensors: int) -> NDArray[np.bool_]:
+    """Which sensors are at the upper end of their range, shape (k, sensors)."""
+    if sensors <= _ALL_CORNERS:
+        return np.array(list(product((False, True), repeat=sensors)))
+    # Parities of the bits of 2 j + 1 in each row's number: columns of which any three are
+    # independent over GF(2), an orthogonal array of strength three (Rao 1947).
+    columns = 2 * np.arange(sensors) + 1
+    bits = int(columns[-1]).bit_length()
+    shared = np.arange(2**bits)[:, None] & columns
+    parity = np.bitwise_xor.reduce([shared >> k & 1 for k in range(bits)], axis=0)
+    alone = np.eye(sensors, dtype=bool)
+    return np.concatenate([parity.astype(bool), alone, ~alone])
+
+
+def _axis_corners(axis: DeclaredRange, upper: NDArray[np.bool_], rows: int) -> Integers:
+    corners = np.where(upper, axis.maximum, axis.minimum)
     beside = np.minimum(axis.zero + 1, axis.maximum)
     turned = np.resize(corners, (rows, axis.sensors))
     return np.concatenate([turned, axis.zero[None, :], beside[None, :]])

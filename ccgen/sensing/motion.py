@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ccgen.joint import Joint
 from ccgen.shapes import ShapeLibrary, Shapes, unstretched
 
 Floats = NDArray[np.float64]
@@ -14,6 +15,29 @@ SOURCES = ("cases", "random", "sweep")
 
 _MODES = 4
 """Cosine modes of a random shape, each half as strong as the one before."""
+
+
+def joint_motion(
+    joint: Joint, source: str, library: ShapeLibrary, count: int, period: int, seed: int = 0
+) -> Shapes:
+    """States of `count` snapshots of a joint: an axis that it leaves out stays, sections stretch.
+
+    Each section elongates and shortens over its whole range at a rate of its own.
+
+    Args:
+        joint: its axes and geometry.
+        source, library, count, period, seed: as of `motion`.
+
+    Raises:
+        ValueError: unknown source.
+    """
+    geometry, bends = joint.geometry, motion(source, library, count, period, seed)
+    u = bends.u if "u" in joint.axes else np.zeros_like(bends.u)
+    v = bends.v if "v" in joint.axes else np.zeros_like(bends.v)
+    low, high = geometry.elongation or (0.0, 0.0)
+    rate = 1.0 + np.arange(len(geometry.sections)) / len(geometry.sections)
+    share = 0.5 - 0.5 * np.cos(2 * np.pi * np.outer(np.arange(count) / period, rate))
+    return Shapes(u, v, low + (high - low) * share, bends.source)
 
 
 def motion(source: str, library: ShapeLibrary, count: int, period: int, seed: int = 0) -> Shapes:
