@@ -70,7 +70,7 @@ def fit_joint(
     from ccgen.shapes import fit_shapes
 
     rows = fit_shapes(joint) if shapes is None else shapes
-    return {axis: _fit_axis(joint, axis, method or joint.method, rows) for axis in joint.axes}
+    return {axis: fit_axis(joint, axis, method or joint.method, rows) for axis in joint.axes}
 
 
 def in_the_papers_way(joint: "Joint") -> bool:
@@ -80,7 +80,12 @@ def in_the_papers_way(joint: "Joint") -> bool:
     return bool(sets) and whole and not joint.couples
 
 
-def _fit_axis(joint: "Joint", axis: str, method: str, shapes: "Shapes") -> Weights:
+def fit_axis(joint: "Joint", axis: str, method: str, shapes: "Shapes") -> Weights:
+    """Weights of one output axis.
+
+    Raises:
+        InputError: as `fit_joint`.
+    """
     from ccgen.shapes import axis_library
 
     try:

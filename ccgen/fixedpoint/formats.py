@@ -79,16 +79,32 @@ def quantise(joint: Joint, weights: Mapping[str, Weights], shapes: Shapes) -> Fi
     Raises:
         FormatError: no format fits; names the sensor, the key and the remedy.
     """
-    models = {axis: _quantise_axis(joint, axis, weights[axis], shapes) for axis in joint.axes}
+    models = {axis: quantise_axis(joint, axis, weights[axis], shapes) for axis in joint.axes}
     return FixedPointModel(joint.name, joint.precision, models)
 
 
-def _quantise_axis(joint: Joint, name: str, weights: Weights, shapes: Shapes) -> AxisModel:
+def quantise_axis(
+    joint: Joint, name: str, weights: Weights, shapes: Shapes, coarser: int = 0
+) -> AxisModel:
+    """Fixed-point model of one output axis.
+
+    Args:
+        joint: the specification.
+        name: of the axis.
+        weights: of that axis.
+        shapes: as of `quantise`.
+        coarser: bits of the largest shift to give up, for larger weights beside these.
+
+    Raises:
+        FormatError: as of `quantise`.
+    """
     ranges = _ranges(joint, name, shapes)
     axis = _Axis(count_gains(joint, name, weights), weights.intercept, ranges.span, joint.precision)
     counts = counts_of(joint, shapes)[:, joint.own(name)]
     ideal = (matmul(counts, axis.gains.T) + axis.intercept).hi
     best = _choose(axis, float(np.abs(ideal).max()))
+    if best is not None and coarser:
+        best = _format(axis, best.fraction_bits, max(best.shift - coarser, 0))
     if best is None:
         raise FormatError(_no_format(joint, name, ranges.span))
     percent = 100.0 / (1.0 if name == "h" else joint.geometry.range_of_motion)
@@ -152,11 +168,12 @@ def _choose(axis: _Axis, largest_shape: float) -> _Format | None:
     return next((found for found in candidates if found is not None), None)
 
 
-def _format(axis: _Axis, fraction_bits: int) -> _Format | None:
-    """The largest shift for which weights and accumulator fit, if any does."""
+def _format(axis: _Axis, fraction_bits: int, most: int | None = None) -> _Format | None:
+    """The largest shift, at most `most`, for which weights and accumulator fit, if any does."""
     weight_limit = 2 ** (axis.precision - 1) - 1
     accumulator_limit = 2 ** (2 * axis.precision - 1) - 1
-    for shift in range(2 * axis.precision - 1, -1, -1):
+    largest = 2 * axis.precision - 1 if most is None else most
+    for shift in range(largest, -1, -1):
         scale = fraction_bits + shift
         rounded = np.rint(np.ldexp(axis.gains, scale))
         if np.abs(rounded).max() > weight_limit:

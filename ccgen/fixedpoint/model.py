@@ -101,11 +101,14 @@ class AxisModel:
         return int(2 ** (self.precision - 1) - 1)
 
     @property
+    def span(self) -> Integers:
+        """Largest |count - zero| of each sensor that is a reading; shape (n,)."""
+        return self.maximum - self.minimum if self.relative is None else self.relative.span
+
+    @property
     def narrow(self) -> bool:
         """Whether every difference of a count and a zero in range fits int16."""
-        if self.relative is not None:
-            return bool(np.all(self.relative.span <= 2**15 - 1))
-        return bool(np.all(self.maximum - self.minimum <= 2**15 - 1))
+        return bool(np.all(self.span <= 2**15 - 1))
 
     def missing(self, counts: ArrayLike, zero: ArrayLike | None = None) -> NDArray[np.bool_]:
         """Which readings lie outside their range; shape (..., n).

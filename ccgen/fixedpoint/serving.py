@@ -1,0 +1,87 @@
+"""An axis in fixed point together with the fallbacks that share its format.
+
+The format is that of the axis' own weights. Fallback weights that exceed it are held at its limit,
+and the others fitted again; where that costs a fallback more than a hundredth of its error, the
+axis gives up a bit of its shift instead, which halves the resolution of all its weights.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ccgen.estimation import Weights
+from ccgen.estimation.fallback import expected_error, held
+from ccgen.fixedpoint.fallback import Fallbacks, fallbacks, weight_limit
+from ccgen.fixedpoint.formats import quantise_axis
+from ccgen.fixedpoint.model import AxisModel, Floats
+from ccgen.fixedpoint.ranges import count_gains
+from ccgen.joint import Joint
+from ccgen.sensing.readings import normaliser
+from ccgen.shapes import Shapes
+
+_COARSER = 6
+"""Most bits of shift that an axis gives up."""
+
+_COSTS = 1.01
+"""Times its error without limits that a held fallback may err by,"""
+_NEGLIGIBLE = 1e-4
+"""and ranges of motion (lengths for "h") more, as much as rounding adds anyway."""
+
+
+@dataclass(frozen=True, eq=False)
+class ServedAxis:
+    """An axis and what serves while one of its sensors is lost.
+
+    Attributes:
+        model: the axis.
+        fallbacks: their integers.
+        weights: what those stand for, by lost sensor; None where the axis is lost without it.
+    """
+
+    model: AxisModel
+    fallbacks: Fallbacks
+    weights: Sequence[Weights | None]
+
+
+def quantise_with_fallbacks(
+    joint: Joint, axis: str, weights: Weights, lost: Sequence[Weights | None], shapes: Shapes
+) -> ServedAxis:
+    """Fixed-point model of one output axis and of its fallbacks.
+
+    Args:
+        joint: the specification.
+        axis: an output axis.
+        weights: of that axis.
+        lost: for each of its sensors the weights without it, or None.
+        shapes: that weights are fitted to and sensors must follow.
+
+    Raises:
+        FormatError: no format fits the axis' own weights.
+    """
+    allowed = [_allowed(joint, axis, one, shapes) for one in lost]
+    for coarser in range(_COARSER + 1):
+        model = quantise_axis(joint, axis, weights, shapes, coarser)
+        limit = weight_limit(model) / _gain_per_weight(joint, axis)
+        kept = [None if one is None else held(joint, axis, one, shapes, limit) for one in lost]
+        fits = all(
+            one is None or one is free or expected_error(joint, axis, one, shapes) <= most
+            for one, free, most in zip(kept, lost, allowed, strict=True)
+        )
+        if fits or coarser == _COARSER or model.shift == 0:
+            break
+    gains = [None if one is None else count_gains(joint, axis, one) for one in kept]
+    return ServedAxis(model, fallbacks(model, gains), kept)
+
+
+def _allowed(joint: Joint, axis: str, weights: Weights | None, shapes: Shapes) -> float:
+    if weights is None:
+        return 0.0
+    unit = 1.0 if axis == "h" else joint.geometry.range_of_motion
+    return _COSTS * expected_error(joint, axis, weights, shapes) + _NEGLIGIBLE * unit
+
+
+def _gain_per_weight(joint: Joint, axis: str) -> Floats:
+    own = joint.own(axis)
+    step = np.array([abs(sensor.metres_per_count) for sensor in joint.sensors[own]])
+    return np.asarray(step / normaliser(joint)[own])
