@@ -172,7 +172,7 @@ def test_what_nobody_foresaw_is_one_line_with_status_3(capsys, monkeypatch):
     assert out == ""
     assert re.fullmatch(
         r"ccgen: error: a fault of ccgen's own, not of yours: ZeroDivisionError: float division by "
-        r"zero \(ccgen \S+, ccgen/cli/fit\.py, line \d+\); please report it with this line, the "
+        r"zero \(ccgen \S+, ccgen/\S+\.py, line \d+\); please report it with this line, the "
         r"command and its files, and what `ccgen --debug` prints before the line\n",
         err,
     )
