@@ -108,7 +108,7 @@ def test_the_plot_is_the_same_bytes_each_time(capsys, tmp_path, name):
     files = [tmp_path / "a" / name, tmp_path / "b" / name]
     for file in files:
         assert ccgen("fit", str(SHOULDER), "--plot", str(file)) == 0
-        assert capsys.readouterr().err == f"ccgen: wrote {file}\n"
+        assert capsys.readouterr().err.startswith(f"ccgen: wrote {file}\n")
     data = files[0].read_bytes()
     assert data == files[1].read_bytes()
     assert data.startswith(b"<?xml" if name.endswith("svg") else b"\x89PNG")
@@ -179,19 +179,19 @@ def test_sensors_around_the_joint_are_fitted_for_each_axis_and_elongation(capsys
     file = tmp_path / "round.toml"
     file.write_text(ROUND + "".join(STRING.format(angle=angle) for angle in (90, 210, 330)))
     result = fitted(capsys, str(file))
-    assert result["warnings"] == []
+    assert not any("cannot tell" in warning for warning in result["warnings"])
     shapes = {axis: np.array(one["weights"]).shape for axis, one in result["axes"].items()}
     assert shapes == {"u": (6, 3), "v": (6, 3), "h": (1, 3)}
     assert result["axes"]["u"]["elongation_adds_percent_rom"] == 0.0
     assert result["axes"]["h"]["rms_percent"] < result["axes"]["h"]["rms_with_noise_percent"]
-    assert [row["elongation_rms_percent"] for row in result["errors"]] == [
+    assert [row["elongation_rms_percent"] for row in result["errors"][:2]] == [
         result["axes"]["h"][key] for key in ("rms_percent", "rms_with_noise_percent")
     ]
     drawing = tmp_path / "round.svg"
     assert ccgen("fit", str(file), "--plot", str(drawing)) == 0
     out = capsys.readouterr().out
     assert "RMS / % of length" in out
-    assert "spans" not in out
+    assert "│ spans" not in out
     assert drawing.stat().st_size > 1000
 
 
@@ -200,8 +200,8 @@ def test_elongation_that_sensors_on_one_side_cannot_tell_is_said(capsys, tmp_pat
     file.write_text(ROUND + "".join(STRING.format(angle=angle) for angle in (90, 180)))
     assert ccgen("fit", str(file), "--json") == 0
     out, err = capsys.readouterr()
-    (warning,) = json.loads(out)["warnings"]
-    assert err == f"ccgen: warning: {warning}\n"
+    assert err == ""
+    (warning,) = [text for text in json.loads(out)["warnings"] if "cannot tell" in text]
     assert ccgen("fit", str(file)) == 0
     assert f"ccgen: warning: {warning}" in capsys.readouterr().err
     assert "the sensors cannot tell elongation from bending: each 1 % of it adds " in warning
@@ -213,4 +213,4 @@ def test_a_joint_that_states_no_elongation_is_told_what_it_would_add(capsys):
     assert ccgen("fit", str(SHOULDER)) == 0
     out, err = capsys.readouterr()
     assert "1 % elongation adds" in out
-    assert err == ""
+    assert "cannot tell" not in err

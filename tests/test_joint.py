@@ -421,8 +421,20 @@ def test_wrong_values_are_refused(key, value, says):
     [
         (
             "[shapes]\ncases = []",
-            'shapes.cases: [] has 0 items; write one or more of "end-force", "uniform", '
-            '"s-shape", "constant-curvature", such as cases = ["end-force", "uniform"]',
+            "shapes.cases: [] leaves no shapes to fit to; name a load case there, or state [loads] "
+            "or [[recordings]]",
+        ),
+        (
+            "[shapes]\nweight = { load = 1.0 }",
+            "shapes.weight.load: unknown key; did you mean loads?",
+        ),
+        (
+            "[shapes]\nweight = { loads = 0.5 }",
+            "shapes.weight.loads: 0.5 for a source that is not there; remove it, or add [loads]",
+        ),
+        (
+            "[shapes]\nweight = { cases = 0.0 }",
+            "shapes.weight: is 0 for every source; write a weight above 0 for one of them",
         ),
         (
             '[shapes]\ncases = ["uniform", "sshape"]',

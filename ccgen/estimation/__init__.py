@@ -1,15 +1,19 @@
 """Weight matrices per output axis, by several methods, and their scores."""
 
-from ccgen.estimation.coupled import fit_coupled
-from ccgen.estimation.fit import FIT_METHODS, fit_joint, fit_weights, in_the_papers_way
+from ccgen.estimation.errors import ErrorRow
+from ccgen.estimation.fit import (
+    FIT_METHODS,
+    fit_coupled,
+    fit_joint,
+    fit_weights,
+    in_the_papers_way,
+)
 from ccgen.estimation.noise_aware import noise_aware, posterior_covariance
 from ccgen.estimation.score import (
-    ErrorRow,
     axis_errors,
     elongation_adds,
     elongation_bias,
     elongation_warning,
-    error_rows,
     noise_gain,
     score_percent_rom,
     score_with_noise_percent_rom,
@@ -28,7 +32,6 @@ __all__ = [
     "elongation_bias",
     "elongation_warning",
     "equal",
-    "error_rows",
     "fit_coupled",
     "fit_joint",
     "fit_weights",

@@ -1,58 +1,23 @@
-"""Weights where a sensor may read several axes at once: one matrix H for the whole state.
+"""The two methods that need no fit, where a sensor may read several axes at once.
 
-With states x = (u, v, h) and normalised readings y = H x + e, each output axis is fitted to the
-sensors that it reads: all of them where they couple, its own where they do not. The methods are
-those of the paper's sets:
-
-- "direct" and "equal" take, for each segment, the readings of the sensors that cover it, as if it
-  did the same over their spans: the one solution that there is, or that of least squares.
-- "wam" minimises the soft-L1 loss over states (equation 7).
-- "noise-aware" is the linear estimator of least mean square error (`ccgen.estimation.noise_aware`).
+"direct" and "equal" take, for each segment, the readings of the sensors that cover it, as if it did
+the same over their spans: the one solution that there is, or that of least squares.
 """
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ccgen.double_double import DoubleDouble, concatenate, least_squares, matmul
+from ccgen.double_double import least_squares
 from ccgen.errors import InputError
-from ccgen.estimation.minimum import minimum
-from ccgen.estimation.wam import F_SCALE
-from ccgen.estimation.weights import Floats, Weights, without_intercept
+from ccgen.estimation.weights import Floats
 from ccgen.joint.layouts import AnySpans
-from ccgen.sensing.noise import second_moment, told_noise
-from ccgen.sensing.readings import coverage, direction, normalised_response
+from ccgen.sensing.readings import coverage, direction
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ccgen.joint import Joint, Sensor
-    from ccgen.shapes import Shapes
-
-COUPLED_METHODS = ("direct", "equal", "wam", "noise-aware")
-
-
-def fit_coupled(joint: "Joint", axis: str, method: str, shapes: "Shapes") -> Weights:
-    """Weights of one output axis by the method of that name, one of `COUPLED_METHODS`.
-
-    Args:
-        joint: its sensors.
-        axis: "u", "v" or "h".
-        method: its name.
-        shapes: to fit to; "noise-aware" takes their second moment about zero.
-
-    Raises:
-        InputError: unknown method, sensors that it cannot use, or noise not stated.
-    """
-    if method in ("direct", "equal"):
-        matrix = _local(joint, axis, method)
-    elif method == "wam":
-        matrix = _wam(joint, axis, shapes.state)
-    elif method == "noise-aware":
-        matrix = _noise_aware(joint, axis, shapes.state)
-    else:
-        raise InputError(f"unknown method {method!r}; give one of {', '.join(COUPLED_METHODS)}")
-    return without_intercept(method, spans_of(joint.sensors[joint.own(axis)]), matrix)
 
 
 def spans_of(sensors: "Sequence[Sensor]") -> AnySpans:
@@ -65,27 +30,18 @@ def spans_of(sensors: "Sequence[Sensor]") -> AnySpans:
     )
 
 
-def _wam(joint: "Joint", axis: str, states: Floats) -> Floats:
-    sensed = matmul(states, normalised_response(joint)[joint.own(axis)].T)
-    return minimum(sensed, states[:, joint.rows(axis)], F_SCALE)
+def local(joint: "Joint", axis: str, method: str) -> Floats:
+    """Weights, shape (rows, n), from the sensors that cover each segment.
 
+    Args:
+        joint: its sensors.
+        axis: "u", "v" or "h".
+        method: "direct", where exactly as many sensors cover a segment as tell its unknowns, or
+            "equal".
 
-def _noise_aware(joint: "Joint", axis: str, states: Floats) -> Floats:
-    noise = told_noise(joint, axis, second_moment(states))
-    if noise is None:
-        raise InputError(
-            '"noise-aware" needs the noise of the readings; state sensors.transducer.noise '
-            '(metres, one standard deviation) or use "wam"'
-        )
-    root = states / np.sqrt(len(states))
-    sensed = matmul(root, normalised_response(joint)[joint.own(axis)].T)
-    wanted = root[:, joint.rows(axis)]
-    system = concatenate([sensed, DoubleDouble.of(np.diag(noise))])
-    return least_squares(system, np.vstack([wanted, np.zeros((noise.size, wanted.shape[1]))])).T
-
-
-def _local(joint: "Joint", axis: str, method: str) -> Floats:
-    """Weights, shape (rows, n), from the sensors that cover each segment."""
+    Raises:
+        InputError: a segment whose sensors have no one solution, by "direct".
+    """
     unknown = _unknown(joint, axis)
     columns, scale = _columns(joint, axis, unknown)
     covered = coverage(joint)[joint.own(axis)] > 0

@@ -45,7 +45,7 @@ def noise_aware(library: "ShapeLibrary", spans: AnySpans, noise_rad: ArrayLike) 
         InputError: noise that is not n finite numbers of at least zero.
     """
     noise = checked_noise(noise_rad, spans)
-    return without_intercept("noise-aware", spans, _gain(*_roots(library, spans), noise))
+    return without_intercept("noise-aware", spans, gain(*_roots(library, spans), noise))
 
 
 def posterior_covariance(library: "ShapeLibrary", spans: AnySpans, noise_rad: ArrayLike) -> Floats:
@@ -58,9 +58,9 @@ def posterior_covariance(library: "ShapeLibrary", spans: AnySpans, noise_rad: Ar
     """
     noise = checked_noise(noise_rad, spans)
     shapes, sensed = _roots(library, spans)
-    gain = _gain(shapes, sensed, noise)
-    missed = shapes.T - gain @ sensed.hi.T
-    passed = gain * noise
+    weights = gain(shapes, sensed, noise)
+    missed = shapes.T - weights @ sensed.hi.T
+    passed = weights * noise
     covariance: Floats = missed @ missed.T + passed @ passed.T
     return covariance
 
@@ -71,8 +71,17 @@ def _roots(library: "ShapeLibrary", spans: AnySpans) -> tuple[Floats, DoubleDoub
     return shapes, exact_readings(shapes, spans)
 
 
-def _gain(shapes: Floats, sensed: DoubleDouble, noise: Floats) -> Floats:
-    """G, shape (m, n)."""
+def gain(shapes: Floats, sensed: DoubleDouble, noise: Floats) -> Floats:
+    """G in square-root form, the same bits on every machine.
+
+    Args:
+        shapes: L^T, shape (N, m).
+        sensed: (H L)^T, shape (N, n).
+        noise: one standard deviation of each reading, shape (n,).
+
+    Returns:
+        Shape (m, n).
+    """
     system = concatenate([sensed, DoubleDouble.of(np.diag(noise))])
     wanted = np.vstack([shapes, np.zeros((noise.size, shapes.shape[1]))])
     return least_squares(system, wanted).T

@@ -5,7 +5,6 @@ The figures are the same bits on every machine: errors are rounded once, and sum
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,66 +26,6 @@ _ROUNDING = 1e-9
 
 _TELLING = 0.1
 """% of ROM for each 1 % of elongation from which on it is said."""
-
-
-@dataclass(frozen=True)
-class ErrorRow:
-    """Error of the estimate over the shapes of one source.
-
-    Attributes:
-        source: where the shapes came from, such as "cases".
-        held_out: whether the weights were fitted to other shapes.
-        noise: whether readings carry the transducers' noise.
-        mean_percent_rom: mean absolute error of a segment's angle by bending axis, % of the range
-            of motion (equation 12).
-        elongation_rms_percent: root mean square error of a section's elongation, % of the length;
-            None where it is not estimated.
-    """
-
-    source: str
-    held_out: bool
-    noise: bool
-    mean_percent_rom: dict[str, float]
-    elongation_rms_percent: float | None = None
-
-
-def error_rows(
-    joint: "Joint",
-    weights: Mapping[str, Weights],
-    shapes: "Shapes",
-    noise: Mapping[str, Floats | None],
-    source: str,
-    held_out: bool,
-) -> list[ErrorRow]:
-    """Errors over the shapes of one source: without noise, and with it where it is stated.
-
-    Args:
-        joint: its sensors.
-        weights: by output axis.
-        shapes: to score on.
-        noise: by output axis, one standard deviation of each reading; None where not stated.
-        source, held_out: as in `ErrorRow`.
-    """
-    silent = {axis: np.zeros(one.sensors) for axis, one in weights.items()}
-    noisy = {axis: noise[axis] for axis in weights}
-    rows = []
-    for with_noise, levels in ((False, silent), (True, noisy)):
-        known = {axis: level for axis, level in levels.items() if level is not None}
-        if len(known) < len(weights):
-            continue
-        means, stretch = {}, None
-        for axis, one in weights.items():
-            errors, spread = axis_errors(joint, axis, one, shapes), _deviations(one, known[axis])
-            if axis == "h":
-                both = np.concatenate([errors, spread[None]], axis=0)
-                both[-1] *= math.sqrt(len(errors))
-                stretch = 100.0 * _norm(both) / math.sqrt(errors.size)
-            else:
-                mean = folded_mean(errors, spread)
-                unit = mean.size * joint.geometry.range_of_motion
-                means[axis] = 100.0 * math.fsum(mean.flat) / unit
-        rows.append(ErrorRow(source, held_out, with_noise, means, stretch))
-    return rows
 
 
 def axis_errors(joint: "Joint", axis: str, weights: Weights, shapes: "Shapes") -> Floats:

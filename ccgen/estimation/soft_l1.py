@@ -24,13 +24,17 @@ EPS = float(np.finfo(np.float64).eps)
 
 Product = Callable[[Floats, Floats], Floats]
 
+Scale = float | Floats
+"""One for all samples, or one for each of N."""
 
-def soft_l1(residuals: Floats, f_scale: float) -> Floats:
+
+def soft_l1(residuals: Floats, f_scale: Scale) -> Floats:
     """Sum of the loss over the last dimension, in the residuals' unit squared.
 
     Args:
         residuals: shape (..., N).
-        f_scale: residual at which the loss turns from quadratic to linear, same unit.
+        f_scale: residual at which the loss turns from quadratic to linear, same unit; a number, or
+            one a sample.
 
     Returns:
         Shape (...), equal to the `cost` of `least_squares`.
@@ -39,7 +43,7 @@ def soft_l1(residuals: Floats, f_scale: float) -> Floats:
     return total
 
 
-def minimise(readings: Floats, targets: Floats, f_scale: float) -> Floats:
+def minimise(readings: Floats, targets: Floats, f_scale: Scale) -> Floats:
     """Weights that minimise the soft-L1 loss of readings @ weights - target, per target.
 
     Directions of the readings whose singular value is below rounding (N eps of the largest) get
@@ -48,7 +52,8 @@ def minimise(readings: Floats, targets: Floats, f_scale: float) -> Floats:
     Args:
         readings: shape (*batch, N samples, n sensors).
         targets: shape (N, m segments), the same for the whole batch.
-        f_scale: unit of the targets.
+        f_scale: unit of the targets; a number, or one a sample. A sample of weight w is one whose
+            readings, targets and scale are multiplied by the root of w.
 
     Returns:
         Shape (*batch, m, n).
@@ -66,7 +71,7 @@ def minimise(readings: Floats, targets: Floats, f_scale: float) -> Floats:
     return np.concatenate(weights).reshape(*readings.shape[:-2], targets.shape[1], sensors)
 
 
-def _minimise_chunk(readings: Floats, targets: Floats, f_scale: float) -> Floats:
+def _minimise_chunk(readings: Floats, targets: Floats, f_scale: Scale) -> Floats:
     """Weights, shape (B, m, n), for readings (B, N, n) and targets (m, N)."""
     left, singular, right = np.linalg.svd(readings, full_matrices=False)
     kept = singular > singular[:, :1] * readings.shape[1] * EPS
@@ -102,7 +107,7 @@ class Bases:
         """Residuals, shape (B, m, N), at coordinates of shape (B, m, k)."""
         return self.product(at, np.swapaxes(self.vectors, 1, 2)) - targets
 
-    def loss(self, residuals: Floats, f_scale: float) -> Floats:
+    def loss(self, residuals: Floats, f_scale: Scale) -> Floats:
         """Soft-L1 loss, shape (B, m), of residuals of shape (B, m, N)."""
         return self.product(_losses(residuals, f_scale), np.ones((residuals.shape[-1], 1)))[..., 0]
 
@@ -123,7 +128,7 @@ class Bases:
         return _solve(hessian, gradient)
 
 
-def _losses(residuals: Floats, f_scale: float) -> Floats:
+def _losses(residuals: Floats, f_scale: Scale) -> Floats:
     z = np.square(residuals / f_scale)
     # sqrt(1 + z) - 1 without the cancellation that would eat small residuals.
     losses: Floats = f_scale**2 * (z / (np.sqrt(1.0 + z) + 1.0))
@@ -149,7 +154,7 @@ def _solve(matrices: Floats, wanted: Floats) -> Floats:
     return solved
 
 
-def descend(bases: Bases, targets: Floats, f_scale: float) -> Floats:
+def descend(bases: Bases, targets: Floats, f_scale: Scale) -> Floats:
     """Coordinates of the minimum, shape (B, m, k), from the least-squares solution on.
 
     Args:
@@ -175,7 +180,7 @@ def descend(bases: Bases, targets: Floats, f_scale: float) -> Floats:
 
 
 def _improve(
-    bases: Bases, at: Floats, targets: Floats, f_scale: float
+    bases: Bases, at: Floats, targets: Floats, f_scale: Scale
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """One step for each problem, and which of the B batches still move.
 
@@ -208,7 +213,7 @@ def _improve(
 
 
 def _lowest(
-    bases: Bases, tries: list[Floats], targets: Floats, f_scale: float
+    bases: Bases, tries: list[Floats], targets: Floats, f_scale: Scale
 ) -> tuple[Floats, Floats]:
     """Of several coordinates, for each problem those of the lowest loss, and that loss."""
     best = tries[0]

@@ -15,11 +15,21 @@ from ccgen.export.literals import float_literal
 from ccgen.fixedpoint import AxisModel, Fit, FixedPointModel
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts_of
+from ccgen.sensing.noise import stated_noise
 from ccgen.shapes import Shapes, unstretched
 
 SHAPE_VECTORS = 8
 BLOCKS = 8
 BLOCK_SNAPSHOTS = 64
+
+_ROUNDING = 1e-9
+"""% of ROM below which an error is none."""
+
+_SHAPES = {
+    "cases": "simulated shapes",
+    "loads": "shapes of the stated loads",
+    "other loads": "shapes of other loads",
+}
 
 _EVALUATED = (
     "shift", "fraction_bits", "saturates", "narrow", "minimum", "maximum", "zero", "bias", "biases",
@@ -142,17 +152,22 @@ def _axis_context(fitted: Fit, axis: AxisModel) -> dict[str, Any]:
         "rows": [{"weights": w, "pairs": _pairs(w)} for w in axis.weights.tolist()],
         "worst_error_percent_rom": at_least(axis.worst_error_percent_rom),
         "rms_error_percent_rom": f"{axis.rms_error_percent_rom:.2g}",
-        "scores": [_score(row, axis.axis) for row in fitted.errors],
+        "scores": [
+            _score(row, axis.axis)
+            for row in fitted.errors
+            if not row.noise or stated_noise(joint) is not None
+        ],
         "noise_gain": f"{noise_gain(weights):.3g}",
     }
 
 
 def _score(row: ErrorRow, axis: str) -> dict[str, Any]:
-    """An error of the fit as the folder's README tells it."""
+    """An error of the fit as the folder's README tells it; what is rounding alone is none."""
+    percent = row.mean_percent_rom[axis]
     return {
-        "shapes": "simulated shapes" if row.source == "cases" else f"{row.source} shapes",
+        "shapes": _SHAPES.get(row.source, f"{row.source} shapes"),
         "noise": row.noise,
-        "percent_rom": f"{row.mean_percent_rom[axis]:.3g}",
+        "percent_rom": f"{percent if percent > _ROUNDING else 0.0:.3g}",
     }
 
 

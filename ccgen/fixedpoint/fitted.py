@@ -8,47 +8,39 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ccgen.errors import ArgumentError, ReachError
-from ccgen.estimation import (
-    FIT_METHODS,
-    ErrorRow,
-    Weights,
-    elongation_warning,
-    error_rows,
-    fit_joint,
-)
+from ccgen.errors import ArgumentError, FormatError
+from ccgen.estimation import FIT_METHODS, in_the_papers_way
+from ccgen.estimation.advice import advice
 from ccgen.estimation.estimate import Estimate, estimate
+from ccgen.estimation.fit import Task, fit_task
+from ccgen.estimation.fitted import FittedWeights
+from ccgen.estimation.sources import Source, simulated_sources
 from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.model import FixedPointModel, Floats
 from ccgen.joint import AXES, Joint, Sensor
 from ccgen.sensing.noise import second_moment, told_noise
-from ccgen.shapes import (
-    Shapes,
-    bent_alike,
-    fit_shapes,
-    joined,
-    score_shapes,
-)
+from ccgen.shapes import Shapes, bent_alike, joined
 from ccgen.shapes.given import given_shapes, reach
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(FittedWeights):
     """What was fitted to a joint, and what is exported of it.
 
     Attributes:
         joint: the joint.
         method: name of the estimation method.
         weights: by output axis; they apply to normalised readings, (l - l0) / (r p).
-        shapes: the rows that the weights were fitted to.
+        task: the sources of shapes that the weights were fitted to, and how much each counts.
         sensors: the joint's, with the gains and zeros that the estimate uses.
     """
 
-    joint: Joint
-    method: str
-    weights: Mapping[str, Weights]
-    shapes: Shapes
     sensors: tuple[Sensor, ...]
+
+    @cached_property
+    def shapes(self) -> Shapes:
+        """The rows that the weights were fitted to."""
+        return joined([source.shapes for source in self.task.sources if source.weight > 0])
 
     @cached_property
     def model(self) -> FixedPointModel:
@@ -73,15 +65,30 @@ class Fit:
         moment = second_moment(self.shapes.state)
         return {axis: told_noise(self.joint, axis, moment) for axis in self.weights}
 
-    @property
-    def errors(self) -> tuple[ErrorRow, ...]:
-        """How far estimates are from the shapes of each source."""
-        return self._scored[0]
+    @cached_property
+    def rounding(self) -> Mapping[str, float]:
+        """Root mean square of what fixed point adds to an angle of each axis, radians.
 
-    @property
+        Unknown, and empty, where no format fits; `model` says why.
+        """
+        if not in_the_papers_way(self.joint) or self.joint.axes != AXES:
+            return {}
+        try:
+            model = self.model
+        except FormatError:
+            return {}
+        unit = self.joint.geometry.range_of_motion / 100.0
+        return {axis: unit * model.axis(axis).rms_error_percent_rom for axis in AXES}
+
+    @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """What a user should know before relying on the fit."""
-        return self._scored[1]
+        """What a user should know before relying on the fit, a sentence each."""
+        share, said = reach(self.joint, self.shapes), list(advice(self))
+        if share > 1.0 and not self._is_stated:
+            said.append(
+                f"the shapes reach {share:.3g} times the range of motion; formats grow with them"
+            )
+        return tuple(said)
 
     def estimate(self, counts: ArrayLike) -> Estimate:
         """Estimate the joint's state in double precision.
@@ -98,30 +105,6 @@ class Fit:
     def _is_stated(self) -> bool:
         """Whether all rows are the joint's load cases."""
         return set(self.shapes.source) == {"cases"}
-
-    @cached_property
-    def _scored(self) -> tuple[tuple[ErrorRow, ...], tuple[str, ...]]:
-        joint, rows, warnings = self.joint, [], []
-        noise, fitted = self.noise, self.weights
-        try:
-            between = score_shapes(joint)
-            rows += error_rows(joint, fitted, between, noise, "cases", held_out=True)
-        except ReachError as error:
-            warnings.append(f"the load cases are left out of the errors: {error}")
-        for source in dict.fromkeys(self.shapes.source):
-            if source == "cases":
-                continue
-            given = self.shapes.of_source(source)
-            rows += error_rows(joint, fitted, given, noise, source, held_out=False)
-        bent = elongation_warning(joint, fitted)
-        if bent is not None and joint.geometry.elongation is not None:
-            warnings.append(bent)
-        share = reach(joint, self.shapes)
-        if share > 1.0 and not self._is_stated:
-            warnings.append(
-                f"the shapes reach {share:.3g} times the range of motion; formats grow with them"
-            )
-        return tuple(rows), tuple(warnings)
 
 
 def _at_range(joint: Joint) -> Shapes:
@@ -161,7 +144,15 @@ def fit(
         raise ArgumentError(
             f"{method!r} is unknown; give one of {', '.join(FIT_METHODS)}", "method"
         )
-    rows = fit_shapes(joint) if shapes is None else given_shapes(joint, shapes)
+    own = method or joint.method
     sensors = tuple(replace(sensor, zero=sensor.zero or 0) for sensor in joint.sensors)
-    weights = fit_joint(joint, method, rows)
-    return Fit(joint, method or joint.method, weights, rows, sensors)
+    sources = simulated_sources(joint) if shapes is None else _given(joint, shapes)
+    task = Task(joint, sources)
+    return Fit(joint, own, fit_task(task, own), task, sensors)
+
+
+def _given(joint: Joint, shapes: ArrayLike | Mapping[str, ArrayLike] | Shapes) -> list[Source]:
+    """Shapes that are given, by source, each row counting the same."""
+    rows = given_shapes(joint, shapes)
+    parts = [rows.of_source(name) for name in dict.fromkeys(rows.source)]
+    return [Source(part.source[0], part, len(part) / len(rows)) for part in parts]

@@ -24,7 +24,13 @@ from ccgen.joint.specification import (
     Sensor,
     ShapeSettings,
 )
-from ccgen.joint.tables import CanTable, JointTable, ShapesTable
+from ccgen.joint.tables import CanTable, JointTable
+
+_SOURCES = {
+    "cases": "a load case to shapes.cases",
+    "loads": "[loads]",
+    "recordings": '[[recordings]] of use = "fit"',
+}
 
 _KIND = toml.Kind("joint file", "`ccgen init NAME` writes one that works", "segments = 12")
 
@@ -99,7 +105,7 @@ def _joint(table: JointTable, source: str, folder: Path) -> Joint:
         parts=parts_of(found.sensors, axes, elongates),
         u=found.sets.get("u"),
         v=found.sets.get("v"),
-        shapes=_shapes(table.shapes),
+        shapes=_shapes(table),
         method=table.estimator.method,
         precision=table.fixed_point.precision,
         can=Can(**table.can.model_dump()),
@@ -149,13 +155,48 @@ def _check_name(name: str) -> None:
         )
 
 
-def _shapes(table: ShapesTable) -> ShapeSettings:
-    for i, case in enumerate(table.cases):
-        if case in table.cases[:i]:
+def _shapes(table: JointTable) -> ShapeSettings:
+    shapes = table.shapes
+    for i, case in enumerate(shapes.cases):
+        if case in shapes.cases[:i]:
             raise KeyProblemError(
                 f'shapes.cases[{i}]: "{case}" stands there twice; write each case once'
             )
-    return ShapeSettings(tuple(table.cases), table.fit_samples, table.score_samples)
+    return ShapeSettings(
+        tuple(shapes.cases), shapes.fit_samples, shapes.score_samples, _source_weights(table)
+    )
+
+
+def _source_weights(table: JointTable) -> tuple[tuple[str, float], ...]:
+    """Return the stated weights of sources.
+
+    Raises:
+        KeyProblemError: a source that the file does not have, or none left to fit to.
+    """
+    there = {
+        "cases": bool(table.shapes.cases),
+        "loads": "loads" in table.model_fields_set,
+        "recordings": any(recording.use == "fit" for recording in table.recordings),
+    }
+    if not any(there.values()):
+        raise KeyProblemError(
+            "shapes.cases: [] leaves no shapes to fit to; name a load case there, or state [loads] "
+            "or [[recordings]]"
+        )
+    stated = {
+        name: weight for name in there if (weight := getattr(table.shapes.weight, name)) is not None
+    }
+    for name, weight in stated.items():
+        if weight and not there[name]:
+            raise KeyProblemError(
+                f"shapes.weight.{name}: {weight} for a source that is not there; "
+                f"remove it, or add {_SOURCES[name]}"
+            )
+    if all(stated.get(name) == 0.0 for name in there if there[name]):
+        raise KeyProblemError(
+            "shapes.weight: is 0 for every source; write a weight above 0 for one of them"
+        )
+    return tuple(stated.items())
 
 
 def _check_method(joint: Joint) -> None:

@@ -127,6 +127,8 @@ class ShapeSettings:
     """Amplitudes per load case (eq. 6) that the weights are fitted to."""
     score_samples: int
     """Amplitudes per load case (eq. 6) that the estimate is scored on."""
+    weight: tuple[tuple[str, float], ...] = ()
+    """Weight of "cases", "loads" or "recordings", each as a whole, where the file states one."""
 
 
 @dataclass(frozen=True)

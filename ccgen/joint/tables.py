@@ -60,13 +60,23 @@ class GeometryTable(Table):
     )
 
 
+Weight = Annotated[float | None, Field(ge=0.0, le=1e6)]
+
+
+class WeightTable(Table):
+    """`weight` of [shapes]: how much each source counts as a whole."""
+
+    cases: Weight = Field(default=None, description="a number, 0 or more", examples=[0.0])
+    loads: Weight = Field(default=None, description="a number, 0 or more", examples=[0.05])
+    recordings: Weight = Field(default=None, description="a number, 0 or more", examples=[1.0])
+
+
 class ShapesTable(Table):
     """[shapes]."""
 
     cases: list[Literal["end-force", "uniform", "s-shape", "constant-curvature"]] = Field(
         default=["end-force", "uniform", "s-shape", "constant-curvature"],
-        min_length=1,
-        description='one or more of "end-force", "uniform", "s-shape", "constant-curvature"',
+        description='of "end-force", "uniform", "s-shape", "constant-curvature"',
         examples=[["end-force", "uniform"]],
     )
     # Equation 6 defines i = 1 ... s for any s >= 1; a thousand is a thousandth of the range.
@@ -75,6 +85,11 @@ class ShapesTable(Table):
     )
     score_samples: Samples = Field(
         default=10, description="amplitudes per load case, from 1 to 1000", examples=[10]
+    )
+    weight: WeightTable = Field(
+        default=WeightTable(),
+        description="a weight for each source of shapes, which counts as a whole",
+        examples=[{"cases": 0.0, "loads": 0.05, "recordings": 1.0}],
     )
 
 

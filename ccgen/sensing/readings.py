@@ -12,6 +12,7 @@ mean bending angle over the span, in radians.
 """
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -104,7 +105,12 @@ def coverage(joint: "Joint") -> Floats:
 
 def direction(sensor: "Sensor") -> tuple[float, float]:
     """Sine and cosine of the sensor's angle, exact for right angles."""
-    exact_sine, versine = sine_and_versine(DoubleDouble.of(sensor.angle))
+    return _direction(sensor.angle)
+
+
+@lru_cache(maxsize=256)
+def _direction(angle: float) -> tuple[float, float]:
+    exact_sine, versine = sine_and_versine(DoubleDouble.of(angle))
     sine, cosine = float(exact_sine.hi), float((1 - versine).hi)
     if abs(sine) < _EXACT:
         return 0.0, math.copysign(1.0, cosine)

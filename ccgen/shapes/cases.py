@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -66,13 +67,23 @@ def shape_library(
         InputError: unknown load case.
         ReachError: a load case that does not bend the first segment so far.
     """
+    return _shape_library(segments, range_of_motion, samples, tuple(cases))
+
+
+@lru_cache(maxsize=8)
+def _shape_library(
+    segments: int, range_of_motion: float, samples: int, cases: tuple[str, ...]
+) -> ShapeLibrary:
     first_segment = amplitudes(range_of_motion, samples)
-    return ShapeLibrary(
+    library = ShapeLibrary(
         angles=np.concatenate([_segment_angles(segments, case, first_segment) for case in cases]),
         cases=tuple(case for case in cases for _ in range(samples)),
         amplitudes=np.tile(first_segment, len(cases)),
         range_of_motion=range_of_motion,
     )
+    library.angles.setflags(write=False)
+    library.amplitudes.setflags(write=False)
+    return library
 
 
 def single_shape(segments: int, case: str, first_segment: float) -> FloatArray:

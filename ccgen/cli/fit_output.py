@@ -1,0 +1,149 @@
+"""What `ccgen fit` prints."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from ccgen.cli.output import show_table
+
+if TYPE_CHECKING:
+    from ccgen.estimation.errors import ErrorRow
+    from ccgen.fixedpoint import Fit
+    from ccgen.joint import Joint
+
+Figures = Mapping[str, Mapping[str, Any]]
+
+_DIGITS = 3
+
+
+def as_json(fit: "Fit", axes: Figures) -> dict[str, Any]:
+    """The JSON object of a fit.
+
+    Args:
+        fit: the fit.
+        axes: figures of each output axis.
+    """
+    return {
+        "method": fit.method,
+        "axes": axes,
+        "errors": [error_json(row) for row in fit.errors],
+        "warnings": list(fit.warnings),
+        "without": [asdict(row) for row in fit.without],
+    }
+
+
+def error_json(row: "ErrorRow") -> dict[str, Any]:
+    """One row of the table of errors; stations only where there are some."""
+    found = asdict(row)
+    if row.stations is None:
+        del found["stations"]
+    return found
+
+
+def show_fit(fit: "Fit", axes: Figures) -> None:
+    """Print a fit as tables."""
+    show_axes(fit.joint, fit.method, axes)
+    show_errors(fit)
+    _show_without(fit)
+
+
+def show_axes(joint: "Joint", method: str, axes: Figures) -> None:
+    """Print the weights' figures, a column an axis."""
+    from rich.table import Table
+
+    table = Table("", title=f"{joint.name}: {method}", title_justify="left")
+    for axis in axes:
+        table.add_column(axis, justify="right")
+    columns = [_column(figures) for figures in axes.values()]
+    titles = list(dict.fromkeys(title for column in columns for title in column))
+    if joint.couples:
+        titles.remove("spans")  # every axis reads all sensors: `ccgen simulate` lists them
+    for title in titles:
+        table.add_row(title, *(column.get(title, "") for column in columns))
+    show_table(table)
+
+
+def _column(figures: Mapping[str, Any]) -> dict[str, str]:
+    """Figures by their titles, in the order of the table."""
+    smallest, largest = figures["weights_range"]
+    column = {
+        "sensors": str(len(figures["spans"])),
+        "spans": " ".join(f"{first:g}-{last:g}" for first, last in figures["spans"]),
+    }
+    for key, title in _ERRORS.items():
+        if key in figures:
+            column[title] = "not known" if figures[key] is None else f"{figures[key]:.4g}"
+    return column | {
+        "noise gain": f"{figures['noise_gain']:.4g}",
+        "smallest weight": f"{smallest:.4g}",
+        "largest weight": f"{largest:.4g}",
+    }
+
+
+_ERRORS = {
+    "score_percent_rom": "score / % of ROM",
+    "score_with_noise_percent_rom": "with sensor noise",
+    "elongation_adds_percent_rom": "1 % elongation adds",
+    "rms_percent": "RMS / % of length",
+    "rms_with_noise_percent": "RMS with sensor noise",
+}
+"""Keys of an axis' errors and the titles of their rows."""
+
+
+def show_errors(fit: "Fit") -> None:
+    """Print errors by source, without and with everything that is stated."""
+    from rich.table import Table
+
+    title = "Errors without / with noise, quantisation, tolerances and rounding"
+    table = Table("source", title=title, title_justify="left")
+    for name in _error_cells(fit.errors[0]):
+        table.add_column(name, justify="right")
+    for source in dict.fromkeys(row.source for row in fit.errors):
+        rows = {row.noise: _error_cells(row) for row in fit.errors if row.source == source}
+        plain, noisy = rows.get(False), rows[True]
+        held_out = any(row.held_out for row in fit.errors if row.source == source)
+        table.add_row(
+            source + (" (held out)" if held_out else ""),
+            *(
+                value if plain is None else f"{plain[name]} / {value}"
+                for name, value in noisy.items()
+            ),
+        )
+    show_table(table)
+
+
+def _error_cells(row: "ErrorRow") -> dict[str, str]:
+    cells = {}
+    for axis in row.mean_percent_rom:
+        cells[f"{axis} mean\n% of ROM"] = _number(row.mean_percent_rom[axis])
+    for axis in row.rms_deg:
+        cells[f"{axis} RMS\ndeg"] = _number(row.rms_deg[axis])
+    for axis in row.total_bend_rms_deg:
+        cells[f"{axis} bend\nRMS deg"] = _number(row.total_bend_rms_deg[axis])
+    cells["tip RMS\nmm"] = _number(1e3 * row.tip_rms_m)
+    cells["tip worst\nmm"] = _number(1e3 * row.tip_max_m)
+    if row.elongation_rms_percent is not None:
+        cells["elongation\nRMS %"] = _number(row.elongation_rms_percent)
+    return cells
+
+
+def _show_without(fit: "Fit") -> None:
+    from rich.table import Table
+
+    title = f"With one sensor lost, on {fit.stated.name}, with noise"
+    table = Table("sensor lost", title=title, title_justify="left")
+    for axis in fit.without[0].rms_deg:
+        table.add_column(f"{axis} RMS\ndeg", justify="right")
+    table.add_column("tip RMS\nmm", justify="right")
+    for row in fit.without:
+        tip = None if row.tip_rms_m is None else 1e3 * row.tip_rms_m
+        table.add_row(
+            row.sensor,
+            *(_number(rms, "lost") for rms in row.rms_deg.values()),
+            _number(tip, "not known"),
+        )
+    show_table(table)
+
+
+def _number(value: float | None, unknown: str = "", digits: int = _DIGITS) -> str:
+    return unknown if value is None else f"{value:.{digits}g}"
