@@ -1,0 +1,183 @@
+"""What recordings tell of a joint: its compliance, its shapes' second moment, and its sensors.
+
+Few markers do not determine many segments, but many rows determine what all of them share. The
+compliance of each segment, the sizes of smooth modes, gains and zeros are those of the greatest
+posterior probability, shapes integrated out (empirical Bayes). Between the rounds references are
+linearised anew and readings trusted less that lie far off, by the weights of Student's
+distribution; the noise of each sensor follows from what is left.
+
+Errors of a joint that moves slowly are alike from row to row, so the likelihood counts for as many
+rows as are independent; standard deviations would otherwise be told far too small.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.recordings.likelihood import Evidence, Lengths, Likelihood, Parameters, Posterior
+from ccgen.recordings.modes import Model
+
+Floats = NDArray[np.float64]
+Sight = Callable[[Floats], Evidence]
+"""Linearises references about states of shape (N, p)."""
+
+_STEPS = 150
+"""Of the quasi-Newton descent in a round, at most."""
+_SETTLED = 1e-7
+"""Share of what a round gains below which a step ends it."""
+_FLAT = 1e-2
+"""Slope by a parameter, in standard deviations of its prior, that counts as none."""
+_FREEDOM = 4.0
+"""Degrees of freedom of Student's distribution: outliers of more than two deviations count less."""
+_NORMAL = 0.8310
+"""Scale of Student's distribution that fits normal noise of standard deviation 1."""
+_NOISE_TURNS = 4
+"""Times that trust and noise follow each other after each round."""
+_SETTLING = (4, 2, 2)
+"""Times that shapes and trust follow each other before each round."""
+_PRIOR_ROWS = 2.0
+"""Independent rows for which uncorrelated modes count in the second moment."""
+LEAST_NOISE = 1e-7
+"""Metres."""
+
+
+@dataclass(frozen=True, eq=False)
+class Learned:
+    """What recordings told.
+
+    Attributes:
+        model: how shapes come about.
+        found: compliances, sizes, gains and zeros.
+        spread: their standard deviations.
+        noise: of each sensor, shape (n,), metres.
+        posterior: shapes of the rows.
+        trust: how far each reading was trusted, 0 to 1 and a little more; shape (N, n).
+        independent: rows as which all of them count.
+    """
+
+    model: Model
+    found: Parameters
+    spread: Parameters
+    noise: Floats
+    posterior: Posterior
+    trust: Floats
+    independent: float
+
+    @property
+    def second_moment(self) -> Floats:
+        """Second moment of the states, shape (p, p).
+
+        The mean of x x' over the rows; in bending alike for both axes, which the same joint takes
+        to either side. What so few independent rows may have missed is left to modes of the sizes
+        that were found, not correlated.
+        """
+        own = self.posterior
+        mean = (own.state.T @ own.state + own.covariance.sum(axis=0)) / len(own.state)
+        T = self.model.transform(self.found.log_compliance, self.found.log_size)
+        share = _PRIOR_ROWS / (_PRIOR_ROWS + self.independent)
+        return np.asarray((1 - share) * mean + share * (T @ T.T))
+
+
+def learn(sight: Sight, model: Model, seen: Lengths, independent: float, start: Floats) -> Learned:
+    """Find what the rows of recordings have in common.
+
+    Args:
+        sight: linearises the references of the N rows.
+        model: how shapes come about.
+        seen: the readings; of no sensor where there are none.
+        independent: number of independent rows among them.
+        start: states to begin with, shape (N, p).
+    """
+    share = min(1.0, independent / len(start))
+    noise, posterior = seen.noise, Posterior(start, np.zeros((*start.shape, start.shape[1])))
+    nothing = Likelihood(model, seen, sight(start), np.zeros_like(seen.length), share)
+    theta = nothing.start()
+    for turns in _SETTLING:
+        for _ in range(turns):
+            weight = _weight(seen, nothing.parameters(theta), posterior, noise)
+            likelihood = replace(nothing, evidence=sight(posterior.state), weight=weight)
+            posterior = likelihood.posterior(theta)
+        theta = _descended(likelihood, theta)
+        posterior = likelihood.posterior(theta)
+        for _ in range(_NOISE_TURNS):
+            noise = _noise(seen, likelihood.parameters(theta), posterior, noise)
+    found = likelihood.parameters(theta)
+    return Learned(
+        model=model,
+        found=found,
+        spread=likelihood.spread(likelihood.deviation(theta)),
+        noise=noise,
+        posterior=posterior,
+        trust=_trust(seen, found, posterior, noise),
+        independent=independent,
+    )
+
+
+def _descended(likelihood: Likelihood, theta: Floats) -> Floats:
+    """Theta of the least value, from some theta on."""
+    from scipy.optimize import minimize
+
+    # The value has a large constant, which the descent's tolerance must not be a share of.
+    start, _ = likelihood.value_and_gradient(theta)
+
+    def gained(at: Floats) -> tuple[float, Floats]:
+        value, gradient = likelihood.value_and_gradient(at)
+        return value - start, gradient
+
+    options = {"maxiter": _STEPS, "ftol": _SETTLED, "gtol": _FLAT}
+    found: Floats = minimize(gained, theta, jac=True, method="L-BFGS-B", options=options).x
+    return found
+
+
+def independent_rows(signals: Floats) -> float:
+    """Number of independent rows among N that follow each other.
+
+    N over the integral of the autocorrelation of all signals together, up to where it first falls
+    below zero (Geyer, "Practical Markov chain Monte Carlo", Statistical Science 7, 1992).
+
+    Args:
+        signals: shape (N, n); NaN where there is none.
+    """
+    known = np.where(np.isnan(signals), np.nanmean(signals, axis=0), signals)
+    known = known - known.mean(axis=0)
+    count = len(known)
+    spectrum = np.square(np.abs(np.fft.rfft(known, 2 * count, axis=0))).sum(axis=1)
+    correlation = np.fft.irfft(spectrum)[:count]
+    if not correlation[0] > 0:
+        return 1.0
+    correlation = correlation / correlation[0]
+    below = np.flatnonzero(correlation < 0)
+    until = below[0] if below.size else count
+    return float(count / (1.0 + 2.0 * correlation[1:until].sum()))
+
+
+def _residuals(seen: Lengths, at: Parameters, posterior: Posterior) -> tuple[Floats, Floats]:
+    """Readings less what the shapes let expect, and the variance of that by the shapes' own."""
+    expected = at.gain * (posterior.state @ seen.matrix.T) + at.zero[seen.group]
+    there = ~np.isnan(seen.length)
+    variance = np.einsum(
+        "ja,nab,jb->nj", seen.matrix, posterior.covariance, seen.matrix, optimize=True
+    )
+    return np.where(there, seen.length - expected, 0.0), np.square(at.gain) * variance
+
+
+def _trust(seen: Lengths, at: Parameters, posterior: Posterior, noise: Floats) -> Floats:
+    residual, _ = _residuals(seen, at, posterior)
+    ratio = np.square(residual / noise)
+    return np.asarray(~np.isnan(seen.length) * (_FREEDOM + 1.0) / (_FREEDOM + ratio))
+
+
+def _weight(seen: Lengths, at: Parameters, posterior: Posterior, noise: Floats) -> Floats:
+    """By which each reading's square counts: 1 over its variance, less far off."""
+    return np.asarray(_trust(seen, at, posterior, noise) / np.square(noise))
+
+
+def _noise(seen: Lengths, at: Parameters, posterior: Posterior, noise: Floats) -> Floats:
+    """Standard deviation of each sensor's readings, outliers trusted less, shape (n,)."""
+    residual, variance = _residuals(seen, at, posterior)
+    there = np.maximum((~np.isnan(seen.length)).sum(axis=0), 1)
+    trust = _trust(seen, at, posterior, noise * _NORMAL)
+    mean = (trust * (np.square(residual) + variance)).sum(axis=0) / there
+    return np.asarray(np.maximum(np.sqrt(mean) / _NORMAL, LEAST_NOISE))

@@ -1,0 +1,219 @@
+"""How probable a recording is for given compliances, sizes, gains and zeros, shapes integrated out.
+
+With shapes x = T w, w ~ N(0, 1), references that say of x what a normal distribution of information
+F and potential b says, and readings y = g H x + z + e, each row adds to the negative logarithm of
+the likelihood
+
+    1/2 log |A| - 1/2 c' A^-1 c + 1/2 r' W r,
+    A = 1 + T' (F + H' g W g H) T,    c = T' (b + H' g W r),    r = y - z,
+
+and A^-1 and w = A^-1 c are the covariance and the mean of its coordinates. (Rasmussen and Williams,
+"Gaussian processes for machine learning", 2006, sections 2.1 and 5.4.)
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.recordings.modes import Model
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+SIZE_STD = 2.0
+"""Standard deviation of the logarithm of a size."""
+_STEP = 1e-3
+"""Of theta, for differences of the gradient."""
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What references say of N states, linearised about them.
+
+    Attributes:
+        information: J' W J, shape (N, p, p).
+        potential: information times the state, plus the gradient there, shape (N, p).
+    """
+
+    information: Floats
+    potential: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Lengths:
+    """Readings of n sensors in N rows, and what is known of the sensors beforehand.
+
+    Attributes:
+        length: at nominal gain, shape (N, n), metres; NaN without a reading.
+        matrix: change of length for a unit of state, shape (n, p), metres.
+        group: which recording a row belongs to, from 0; each has zeros of its own; shape (N,).
+        gain: about which gains are expected, shape (n,).
+        gain_std: of that, shape (n,).
+        zero: about which zeros are expected, shape (groups, n), metres.
+        zero_std: of that, same shape.
+        noise: to begin with, shape (n,), metres.
+    """
+
+    length: Floats
+    matrix: Floats
+    group: Indices
+    gain: Floats
+    gain_std: Floats
+    zero: Floats
+    zero_std: Floats
+    noise: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Parameters:
+    """What all rows have in common."""
+
+    log_compliance: Floats
+    log_size: Floats
+    gain: Floats
+    zero: Floats
+    """Shape (groups, n), metres."""
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """Shapes of N rows under given parameters.
+
+    Attributes:
+        state: means, shape (N, p).
+        covariance: shape (N, p, p).
+    """
+
+    state: Floats
+    covariance: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Likelihood:
+    """The negative logarithm of likelihood and prior of parameters, as one vector theta.
+
+    Theta counts from where the priors expect the parameters, in the priors' standard deviations.
+
+    Attributes:
+        model: how shapes come about.
+        seen: the readings.
+        evidence: what references say.
+        weight: by which a reading's square counts, 1 over its variance; 0 without one; (N, n).
+        share: of the rows that count, where many tell the same.
+    """
+
+    model: Model
+    seen: Lengths
+    evidence: Evidence
+    weight: Floats
+    share: float
+
+    def start(self) -> Floats:
+        """Theta where priors expect it."""
+        return np.zeros(len(self._prior_std))
+
+    def parameters(self, theta: Floats) -> Parameters:
+        """The parameters that theta stands for."""
+        moved = self.spread(theta)
+        return Parameters(
+            moved.log_compliance,
+            moved.log_size,
+            self.seen.gain + moved.gain,
+            self.seen.zero + moved.zero,
+        )
+
+    def spread(self, theta: Floats) -> Parameters:
+        """By how much theta differs from 0, or its standard deviations, in parameters."""
+        ends = np.cumsum([len(self.model.compliance_std), self.model.sizes, len(self.seen.gain)])
+        soft, large, gain, zero = np.split(theta * self._prior_std, ends)
+        return Parameters(soft, large, gain, zero.reshape(self.seen.zero.shape))
+
+    def value_and_gradient(self, theta: Floats) -> tuple[float, Floats]:
+        """Its value and its gradient by theta."""
+        at = self.parameters(theta)
+        model, H = self.model, self.seen.matrix
+        T = model.transform(at.log_compliance, at.log_size)
+        information, potential, residual = self._known(at)
+        FT = information @ T
+        c = potential @ T
+        A = np.eye(T.shape[1]) + T.T @ FT
+        triangle = np.linalg.cholesky(A)
+        covariance = np.linalg.inv(A)
+        w = (covariance @ c[..., None])[..., 0]
+        rows = (
+            np.log(np.diagonal(triangle, axis1=1, axis2=2)).sum()
+            - np.sum(c * w) / 2
+            + np.sum(self.weight * np.square(residual)) / 2
+        )
+        second = w[:, :, None] * w[:, None, :] + covariance
+        by_transform = (np.tensordot(FT, second, axes=([0, 2], [0, 2])) - potential.T @ w) * T
+        by_state, by_coordinate = by_transform.sum(axis=1), by_transform.sum(axis=0)
+        HT = H @ T
+        expected = w @ HT.T
+        squares = np.einsum("jk,nkl,jl->nj", HT, second, HT, optimize=True)
+        by_gain = (self.weight * (at.gain * squares - residual * expected)).sum(axis=0)
+        by_reading = self.weight * (at.gain * expected - residual)
+        gradient = np.concatenate(
+            [
+                _gathered(model.compliance, by_state, len(model.compliance_std)),
+                _gathered(model.size, by_coordinate, model.sizes),
+                by_gain,
+                *(by_reading[self.seen.group == i].sum(axis=0) for i in self._groups),
+            ]
+        )
+        value = self.share * float(rows) + float(theta @ theta) / 2
+        return value, self.share * gradient * self._prior_std + theta
+
+    def posterior(self, theta: Floats) -> Posterior:
+        """Shapes of all rows."""
+        at = self.parameters(theta)
+        T = self.model.transform(at.log_compliance, at.log_size)
+        information, potential, _ = self._known(at)
+        inverse = np.linalg.inv(np.eye(T.shape[1]) + T.T @ information @ T)
+        w = (inverse @ (potential @ T)[..., None])[..., 0]
+        return Posterior(w @ T.T, T @ inverse @ T.T)
+
+    def curvature(self, theta: Floats) -> Floats:
+        """Second derivative by theta, by differences of the gradient, nowhere below the prior's."""
+        rows = [
+            self.value_and_gradient(theta + _STEP * one)[1]
+            - self.value_and_gradient(theta - _STEP * one)[1]
+            for one in np.eye(len(theta))
+        ]
+        whole = np.array(rows) / (2 * _STEP)
+        values, vectors = np.linalg.eigh((whole + whole.T) / 2)
+        return np.asarray((vectors * np.maximum(values, 1.0)) @ vectors.T)
+
+    def deviation(self, theta: Floats) -> Floats:
+        """Standard deviations of theta about its most probable value."""
+        return np.asarray(np.sqrt(np.diag(np.linalg.inv(self.curvature(theta)))))
+
+    def _known(self, at: Parameters) -> tuple[Floats, Floats, Floats]:
+        """Information and potential of references and readings, and the readings less zeros."""
+        sensed = at.gain[:, None] * self.seen.matrix
+        there = ~np.isnan(self.seen.length)
+        residual = np.where(there, self.seen.length - at.zero[self.seen.group], 0.0)
+        information = self.evidence.information + (sensed.T * self.weight[:, None, :]) @ sensed
+        return information, self.evidence.potential + (self.weight * residual) @ sensed, residual
+
+    @cached_property
+    def _groups(self) -> range:
+        return range(len(self.seen.zero))
+
+    @cached_property
+    def _prior_std(self) -> Floats:
+        return np.concatenate(
+            [
+                self.model.compliance_std,
+                np.full(self.model.sizes, SIZE_STD),
+                self.seen.gain_std,
+                self.seen.zero_std.reshape(-1),
+            ]
+        )
+
+
+def _gathered(number: Indices, values: Floats, count: int) -> Floats:
+    """Sums of the values that each parameter multiplies, shape (count,)."""
+    return np.bincount(number + 1, values, count + 1)[1:].astype(np.float64)

@@ -1,0 +1,148 @@
+"""How the shapes of a joint come about, before anything is known of it: moments, compliance, sizes.
+
+Bends are compliance times bending moment. Moments along a joint are smooth: actuation makes them
+constant, a force at the tip linear, weight quadratic, a contact bends them once. Compliance is not:
+fittings make the ends of a joint several times stiffer than its middle. So the bends of an axis are
+
+    x_i = d_i sum_k s_k M_ik w_k,    w ~ N(0, 1)
+
+with the compliance d_i of each segment, smooth modes M and a size s_k of each mode, which a
+recording tells (`ccgen.recordings.learning`). Elongation has one coordinate a section; the twist of
+the joint, which tilts what lies beyond but no sensor reads, has one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+_MODES = 5
+"""Of an axis; the sixth is a thousandth of the first."""
+_END = 1 / 6
+"""Share of the joint's length that a fitting may take at either end."""
+_END_SPREAD = 0.8
+_SPREAD = 0.15
+"""Standard deviations of the logarithm of a segment's compliance, at the ends and between them."""
+_USUAL = 0.4
+"""Root mean square of a segment's bend, share of the range of motion."""
+_TWIST = 0.05
+"""Standard deviation of the twist, share of the largest bend of the whole joint."""
+_CONTACTS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Shapes as a linear map of standard normal coordinates.
+
+    Attributes:
+        basis: states for unit coordinates at unit compliance and size, shape (p, k).
+        compliance: number of the compliance that multiplies each state, -1 for none; shape (p,).
+        compliance_std: of their logarithms about 0, shape (c,).
+        size: number of the size that multiplies each coordinate, -1 for none; shape (k,).
+        sizes: number of sizes.
+    """
+
+    basis: Floats
+    compliance: Indices
+    compliance_std: Floats
+    size: Indices
+    sizes: int
+
+    def transform(self, log_compliance: Floats, log_size: Floats) -> Floats:
+        """The map T with x = T w, shape (p, k)."""
+        soft = np.exp(np.append(log_compliance, 0.0))[self.compliance]
+        large = np.exp(np.append(log_size, 0.0))[self.size]
+        return np.asarray(soft[:, None] * self.basis * large)
+
+
+def smooth_model(
+    sections: Sequence[int],
+    range_of_motion: float,
+    elongation: float,
+    profile: Floats | None = None,
+    tolerance: float = 0.0,
+) -> Model:
+    """Shapes of a joint under moments that nobody has measured yet.
+
+    Args:
+        sections: segments of each section.
+        range_of_motion: of a segment, radians.
+        elongation: largest share of the length by which a section grows; 0 for none.
+        profile: compliance of each segment where it is known, shape (m,).
+        tolerance: standard deviation of the logarithm of compliance, at least.
+
+    Returns:
+        Of states u, v (m each), h (S) and the twist of the whole joint.
+    """
+    m, count = sum(sections), len(sections)
+    modes = _modes(sections) * (_USUAL * range_of_motion)
+    known = np.ones(m) if profile is None else profile / profile.mean()
+    modes = known[:, None] * modes
+    k = modes.shape[1]
+    stretch = count if elongation else 0
+    basis = np.zeros((2 * m + count + 1, 2 * k + stretch + 1))
+    basis[:m, :k] = modes
+    basis[m : 2 * m, k : 2 * k] = modes
+    basis[2 * m : -1, 2 * k : -1] = np.eye(count)[:, :stretch] * abs(elongation) / np.sqrt(3.0)
+    basis[-1, -1] = _TWIST * m * range_of_motion
+    spread = np.full(m, max(_SPREAD, tolerance))
+    ends = max(1, round(_END * m))
+    spread[:ends] = spread[m - ends :] = max(_END_SPREAD, tolerance)
+    segments = np.arange(m)
+    sizes = np.arange(k)
+    return Model(
+        basis,
+        np.concatenate([segments, segments, np.full(count + 1, -1)]),
+        spread,
+        np.concatenate([sizes, sizes, np.full(stretch, k), [k + (stretch > 0)]]),
+        k + (stretch > 0) + 1,
+    )
+
+
+def free_model(states: Floats) -> Model:
+    """Shapes of which references leave nothing open: every state for itself, as large as seen.
+
+    Args:
+        states: shape (N, p), without the twist, which then stays 0.
+    """
+    size = np.sqrt(np.mean(np.square(states), axis=0))
+    seen = np.flatnonzero(size > 0)
+    basis = np.zeros((states.shape[1] + 1, len(seen)))
+    basis[seen, np.arange(len(seen))] = size[seen]
+    none = np.full(len(basis), -1)
+    return Model(basis, none, np.zeros(0), np.full(len(seen), -1), 0)
+
+
+def _modes(sections: Sequence[int]) -> Floats:
+    """Smooth modes of an axis, largest first, shape (m, k); their squares have a mean sum of 1."""
+    m = sum(sections)
+    moments = _moments(m)
+    if len(sections) > 1:
+        # Sections may be actuated each by itself.
+        alone = np.zeros((m, m))
+        first = 0
+        for length in sections:
+            part = slice(first, first + length)
+            alone[part, part] = _moments(length)
+            first += length
+        moments = (moments + alone) / 2
+    values, vectors = np.linalg.eigh(moments)
+    count = min(m, _MODES + 2 * (len(sections) - 1))
+    modes = (vectors * np.sqrt(np.maximum(values, 0.0)))[:, ::-1][:, :count]
+    return np.asarray(modes / np.sqrt(np.square(modes).sum() / m))
+
+
+def _moments(segments: int) -> Floats:
+    """Second moment of bending moments along a joint of unit length, shape (m, m)."""
+    along = (np.arange(segments) + 0.5) / segments
+    left = 1.0 - along
+    contact = np.linspace(0.25, 1.0, _CONTACTS)[:, None] - along
+    kinked = np.maximum(contact, 0.0)
+    families = np.concatenate(
+        [[np.ones(segments)], [left / 2], [np.square(left) / 2], kinked / np.sqrt(_CONTACTS)]
+    )
+    return np.asarray(families.T @ families)
