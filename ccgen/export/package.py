@@ -9,6 +9,7 @@ from ccgen import resources
 from ccgen.can.layout import FrameLayout, layout_for
 from ccgen.errors import ArgumentError, InputError
 from ccgen.export import context
+from ccgen.export.arrangement import arrangement_context
 from ccgen.export.dbc import dbc_text
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
@@ -38,6 +39,7 @@ JOINT_FILES = {
     "library.json": "library.json.j2",
     "library.properties": "library.properties.j2",
     "README.md": "README.md.j2",
+    "sensors.svg": "sensors.svg.j2",
 }
 """Generated files of the folder and their templates."""
 
@@ -88,6 +90,7 @@ def render(fitted: Fit) -> tuple[FrameLayout, dict[str, bytes]]:
         **context.common_context(joint, fitted.method),
         **context.model_context(fitted),
         **context.can_context(layout, joint),
+        "drawing": arrangement_context(joint),
         **context.selftest_context(joint, model, fitted.shapes),
         "kinematics": kinematics_context(
             joint.name,

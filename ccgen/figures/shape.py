@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ccgen.figures.sensors import draw_across, draw_along
 from ccgen.figures.style import POINTS_PER_SEGMENT, label_curve, new_figure, planar_curve, styled
 from ccgen.joint import Joint
 from ccgen.sensing.readings import coverage, direction
@@ -17,9 +18,12 @@ if TYPE_CHECKING:
 
 @styled
 def shape_figure(joint: Joint, simulation: "Simulation", axis: str = "u") -> "Figure":
-    """Draw the bent axis of a simulated joint: its curve, its angles and the sensors' readings."""
+    """Draw the bent axis of a simulated joint: its curve, its angles and the sensors' readings.
+
+    Below stand the sensors: across the joint, and along it.
+    """
     angles = simulation.u if axis == "u" else simulation.v
-    figure, (curve, profile) = new_figure((7.0, 4.0), 2)
+    figure, ((curve, profile), (across, along)) = new_figure((7.0, 6.4), 2, rows=2)
     deflection, height = planar_curve(angles, joint.geometry.segment_length)
     curve.plot(deflection, height, color="#000000")
     curve.plot(deflection[::POINTS_PER_SEGMENT], height[::POINTS_PER_SEGMENT], "k.")
@@ -32,5 +36,7 @@ def shape_figure(joint: Joint, simulation: "Simulation", axis: str = "u") -> "Fi
             profile.plot([sensor.start, sensor.end], [mean, mean], color="#D55E00", label=label)
             label = None
     profile.set(title="Angles", xlabel="segment", ylabel="degrees")
+    draw_across(across, joint)
+    draw_along(along, joint)
     figure.legend(loc="outside lower center", ncols=2)
     return figure

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ccgen.figures.sensors import draw_across, draw_along
 from ccgen.figures.style import POINTS_PER_SEGMENT, space_curve, styled
 from ccgen.joint import Joint
 from ccgen.joint.loads import StatedLoads
@@ -30,14 +31,17 @@ _NARROWEST_BOX = 0.7
 def loads_figure(joint: Joint, simulation: "Simulation", loads: StatedLoads) -> "Figure":
     """Draw the neutral axis with the forces on it, and the angles of the segments.
 
-    Arrows of forces are to one scale, those of the force along the joint to one of their own.
+    Arrows of forces are to one scale, those of the force along the joint to one of their own. Below
+    stand the sensors: across the joint, and along it.
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.0, 4.2), layout="constrained")
-    grid = figure.add_gridspec(1, 2, width_ratios=[3, 2])
-    _draw_space(figure.add_subplot(grid[0], projection="3d"), joint, simulation, loads)
-    profile = figure.add_subplot(grid[1])
+    figure = Figure(figsize=(8.0, 6.6), layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=[3, 2], height_ratios=[5, 3])
+    _draw_space(figure.add_subplot(grid[0, 0], projection="3d"), joint, simulation, loads)
+    draw_across(figure.add_subplot(grid[1, 0]), joint)
+    draw_along(figure.add_subplot(grid[1, 1]), joint)
+    profile = figure.add_subplot(grid[0, 1])
     for axis, colour in (("u", "#009E73"), ("v", "#CC79A7")):
         angles = np.degrees(getattr(simulation, axis))
         profile.stairs(angles, baseline=None, color=colour, linewidth=1.6, label=axis)

@@ -1,0 +1,98 @@
+"""Drawings of where the sensors are: in `simulate --plot`, and in the exported folder."""
+
+import math
+from xml.etree import ElementTree
+
+import pytest
+from joint_files import joint_text
+
+import ccgen
+from ccgen.export.arrangement import arrangement_context
+from ccgen.export.package import render
+from ccgen.figures.shape import shape_figure
+from ccgen.figures.space import loads_figure
+from ccgen.joint.load_files import parse_loads
+from ccgen.resources import template
+from ccgen.sensing.simulation import simulate
+
+SVG = "{http://www.w3.org/2000/svg}"
+ROUND = """
+name = "round"
+[geometry]
+segments = 12
+length = 0.24
+range_of_motion = 3.0
+elongation = [0.0, 0.05]
+sections = [4, 8]
+[sensors.transducer]
+metres_per_count = 2e-6
+""" + "".join(
+    f'[[sensor]]\nname = "s{j}"\nspan = [{first}, {last}]\nangle = {angle}\nradius = {radius}\n'
+    for j, (first, last, angle, radius) in enumerate(
+        [(0, 11, 330, 0.03), (0, 5, 90, 0.03), (0, 11, 90, 0.03), (0, 11, 210, 0.015)]
+    )
+)
+
+
+def drawn(joint):
+    text = template("sensors.svg.j2").render(name=joint.name, drawing=arrangement_context(joint))
+    return ElementTree.fromstring(text)
+
+
+def marks(tree):
+    return [
+        (float(c.get("cx")), float(c.get("cy")))
+        for c in tree.iter(f"{SVG}circle")
+        if c.get("r") == "5"
+    ]
+
+
+def bars(tree):
+    return [
+        tuple(float(line.get(key)) for key in ("x1", "x2"))
+        for line in tree.iter(f"{SVG}line")
+        if line.get("stroke-width") == "5"
+    ]
+
+
+def test_a_mark_stands_at_each_angle_and_radius():
+    tree = drawn(ccgen.parse(ROUND))
+    wanted = [(90, 1.0), (210, 0.5), (330, 1.0)]
+    for (x, y), (degrees, share) in zip(marks(tree), wanted, strict=True):
+        angle = math.radians(degrees)
+        assert x == pytest.approx(120 + 78 * share * math.cos(angle), abs=0.06)
+        assert y == pytest.approx(132 - 78 * share * math.sin(angle), abs=0.06)
+
+
+def test_a_bar_along_the_joint_stands_for_each_sensor_in_the_order_of_their_angles():
+    tree = drawn(ccgen.parse(ROUND))
+    assert bars(tree) == [(360.0, 530.0), (360.0, 700.0), (360.0, 700.0), (360.0, 700.0)]
+    texts = [text.text for text in tree.iter(f"{SVG}text")]
+    labels = [text for text in texts if text.startswith("s") and text.endswith("°")]
+    assert labels == ["s1, 90°", "s2, 90°", "s3, 210°", "s0, 330°"]
+    borders = [line.get("x1") for line in tree.iter(f"{SVG}line") if line.get("stroke-dasharray")]
+    assert borders == [f"{360 + 340 * 4 / 12:.1f}"]
+
+
+def test_an_exported_folder_draws_its_sensors_and_its_readme_shows_them():
+    joint = ccgen.parse(joint_text())
+    _, files = render(ccgen.fit(joint))
+    tree = ElementTree.fromstring(files["sensors.svg"])
+    assert len(bars(tree)) == 6
+    assert len(marks(tree)) == 2
+    assert b"](sensors.svg)" in files["README.md"]
+
+
+@pytest.mark.parametrize("text", [ROUND, joint_text()])
+def test_drawings_of_a_shape_show_the_sensors_across_and_along(text):
+    joint = ccgen.parse(text)
+    loads = parse_loads("stiffness = 0.5\ntip_force = [1.0, 0.0, 0.0]", "l.toml", joint.geometry)
+    for figure in (
+        shape_figure(joint, simulate(joint, "uniform", 0.03)),
+        loads_figure(joint, simulate(joint, loads=loads), loads),
+    ):
+        panels = {axes.get_title(): axes for axes in figure.axes}
+        across, along = panels["Sensors, seen from the tip"], panels["Sensors along the joint"]
+        assert len(along.get_yticklabels()) == len(joint.sensors)
+        angles = {round(math.degrees(one.angle) % 360) for one in joint.sensors}
+        assert {text.get_text() for text in across.texts} == {f"{angle}°" for angle in angles}
