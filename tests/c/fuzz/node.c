@@ -10,14 +10,20 @@
  * - every frame that goes out is due, well-formed and protected, and says what the state says;
  *   a STATUS tells every fault that no sent one has told, and no other;
  * - a frame that was taken back comes again.
+ *
+ * A quarter of the inputs steers a sender instead that keeps the contract of snapshot.h over a bus
+ * that disturbs its frames (traffic.h). An observer tells its sendings apart by their counts, and
+ * no estimate may mix two of them.
  */
 #include <string.h>
 
 #include "../reference.h"
 #include "../rule.h"
+#include "../traffic.h"
 #include "input.h"
 
 #define STEPS_MAX 400
+#define SENDING_MAX 40
 #define QUIET_MAX_US 1800000000u /* some function wants to be called each half hour */
 #define BEHIND_MAX_US 0x7FFFFFFFu
 #define EPOCH_US (UINT64_C(1) << 40) /* times below 0 are none */
@@ -52,7 +58,17 @@ typedef struct {
     uint32_t overruns;
     int64_t zero[SENSORS];
     int32_t counts[SENSORS]; /* what the sensors' side sends */
+    traffic_t *traffic;      /* a sender that keeps the contract; NULL: anything is sent */
 } bus_t;
+
+static uint64_t drawn = 1; /* of the traffic; the input stirs it */
+
+static uint32_t traffic_draw(const uint32_t below) {
+    drawn ^= drawn << 13;
+    drawn ^= drawn >> 7;
+    drawn ^= drawn << 17;
+    return (uint32_t)(((drawn >> 32) * below) >> 32);
+}
 
 static ccgen_snapshot_t *snapshot_of(bus_t *const bus) {
     return &bus->node->node.snapshot;
@@ -131,6 +147,7 @@ static void check_counts(const bus_t *const bus) {
 static void publish(bus_t *const bus, const int result) {
     const int32_t *const counts = snapshot_of(bus)->counts;
     check_counts(bus);
+    CHECK((bus->traffic == NULL) || (traffic_sending_of(bus->traffic, counts) != 0u));
     bus->missing = missing_in(counts);
     bus->estimated = (bus->missing == 0);
     CHECK(result == (bus->estimated ? 1 : CCGEN_ERROR_MISSING));
@@ -471,6 +488,9 @@ static void step(bus_t *const bus, input_t *const input) {
             break;
         case 5:
             for (uint8_t n = take8(input); (n > 0u) && transmit(bus); --n) {
+                if ((take8(input) % 8u) == 1u) {
+                    take_back(bus);
+                }
             }
             break;
         case 6:
@@ -496,6 +516,55 @@ static void step(bus_t *const bus, input_t *const input) {
     }
 }
 
+/** The sender keeps on for some cycles. */
+static void keep_sending(bus_t *const bus, const uint8_t cycles) {
+    traffic_t *const traffic = bus->traffic;
+    const uint32_t last = traffic->id + cycles;
+    while (traffic->id != last) {
+        ccgen_frame_t frame;
+        if ((traffic->count == 0) || (traffic->transit[0].at_us >= traffic->next_us)) {
+            (void)traffic_send(traffic);
+            continue;
+        }
+        const transit_t transit = traffic_pop(traffic);
+        traffic_arrive(traffic, &transit, &frame);
+        bus->now_us = transit.at_us;
+        bus->behind_us = bus->started ? traffic_draw(TRAFFIC_LAG_US) : 0u;
+        receive(bus, &frame);
+        bus->behind_us = 0;
+        for (uint32_t n = traffic_draw(40); (n > 0u) && transmit(bus); --n) {
+            if (traffic_draw(16) == 0u) {
+                take_back(bus);
+            }
+        }
+        check_counters(bus);
+    }
+}
+
+/** A sender that keeps the contract, and a window that the node keeps. */
+static void start_sending(bus_t *const bus, input_t *const input) {
+    static traffic_t traffic; /* large */
+    const uint32_t cycles = 1u + take8(input) % (PORT_WINDOW_MAX_US / layout->cycle_us);
+    const traffic_mix_t mix = {
+        64u * take8(input),
+        64u * take8(input),
+        64u * take8(input),
+        64u * take8(input),
+        16u * take8(input),
+        0,
+        8u * take8(input),
+        8u * take8(input),
+        2u + take8(input) % ((uint32_t)numbers_of_joint() / 2u - 3u),
+        90,
+        false,
+    };
+    drawn = take64(input) | 1u;
+    bus->rule.window_us = (uint64_t)cycles * layout->cycle_us;
+    CHECK(port_node_set_window(bus->node, cycles * layout->cycle_us) == CCGEN_OK);
+    traffic_start(&traffic, &mix, bus->rule.window_us, bus->now_us + TRAFFIC_LAG_US);
+    bus->traffic = &traffic;
+}
+
 static void start(bus_t *const bus, input_t *const input) {
     memset(bus, 0, sizeof *bus);
     bus->node = (port_node_t *)malloc(sizeof *bus->node); /* watched at its ends */
@@ -519,7 +588,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *const data, const size_t size) {
     static bus_t bus; /* large */
     input_t input = {data, size};
     start(&bus, &input);
-    for (int k = 0; (k < STEPS_MAX) && (input.left > 0u); ++k) {
+    if ((take8(&input) % 4u) == 1u) {
+        start_sending(&bus, &input);
+        for (int k = 0; (k < SENDING_MAX) && (input.left > 0u); ++k) {
+            drawn ^= (uint64_t)take8(&input) << 32;
+            drawn |= 1u;
+            keep_sending(&bus, 8);
+        }
+    }
+    for (int k = 0; (bus.traffic == NULL) && (k < STEPS_MAX) && (input.left > 0u); ++k) {
         step(&bus, &input);
         check_counters(&bus);
     }
