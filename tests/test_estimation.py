@@ -20,7 +20,7 @@ from ccgen.estimation import (
 from ccgen.estimation.folded import folded_mean
 from ccgen.joint.file import parse_joint
 from ccgen.joint.layouts import end_to_end, heuristic, single
-from ccgen.sensing.noise import reading_noise, told_noise
+from ccgen.sensing.noise import reading_noise
 from ccgen.sensing.readings import reading_matrix, readings
 from ccgen.shapes import bent_alike, fit_library, score_library, shape_library
 
@@ -199,7 +199,7 @@ def test_fit_joint_uses_the_joints_method_on_both_axes(method):
     assert set(weights) == {"u", "v"}
     for axis, fitted in weights.items():
         alone = fit_weights(
-            method, fit_library(described), fitted.spans, told_noise(described, axis)
+            method, fit_library(described), fitted.spans, reading_noise(described, axis)
         )
         assert fitted.method == method
         assert fitted.spans == described.axis(axis).spans

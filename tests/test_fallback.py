@@ -13,7 +13,7 @@ from ccgen.fixedpoint.fallback import fallbacks, served
 from ccgen.fixedpoint.ranges import count_gains
 from ccgen.fixedpoint.serving import quantise_with_fallbacks
 from ccgen.sensing.counts import counts_of
-from ccgen.sensing.noise import told_noise
+from ccgen.sensing.noise import reading_noise
 from ccgen.shapes import axis_library
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -45,7 +45,7 @@ def test_fallback_weights_are_those_of_a_joint_without_the_sensor(method):
     fit = fitted(method)
     spans = fit.weights["u"].spans
     library = axis_library(fit.shapes, "u", fit.joint.geometry.range_of_motion)
-    noise = told_noise(fit.joint, "u")
+    noise = reading_noise(fit.joint, "u")
     for j in range(3):
         rest = spans[:j] + spans[j + 1 :]
         own = (

@@ -1,7 +1,9 @@
+import hashlib
 import json
 import re
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from joint_files import joint_text
 
+import ccgen
 from ccgen.errors import FormatError, InputError
 from ccgen.estimation import fit_joint
 from ccgen.fixedpoint import load_model, model_json, quantise
@@ -237,3 +240,23 @@ def test_a_model_whose_numbers_do_not_fit_together_is_damaged(tmp_path, key, val
         InputError, match=r"model\.json: damaged \(axis v: .*export the joint again"
     ):
         load_model(path)
+
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+
+
+@pytest.mark.parametrize(
+    ("name", "digest"),
+    [
+        ("shoulder", "9de8c6d1b9967a47"),
+        ("spine", "aad9c67f6ccc3129"),
+        ("wrist", "7fddc096e7c1949b"),
+    ],
+)
+def test_the_examples_keep_the_bits_of_their_weights(name, digest):
+    axes = ccgen.fit(ccgen.load(EXAMPLES / f"{name}.toml")).model.axes
+    bits = {
+        axis: [one.weights.tolist(), one.bias.tolist(), one.shift, one.fraction_bits]
+        for axis, one in axes.items()
+    }
+    assert hashlib.sha256(json.dumps(bits).encode()).hexdigest()[:16] == digest

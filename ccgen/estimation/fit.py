@@ -20,7 +20,7 @@ from ccgen.estimation.sources import Rows, Source, simulated_sources, weighed_ro
 from ccgen.estimation.wam import F_SCALE, wam, wam_paper_call
 from ccgen.estimation.weights import Floats, Weights, without_intercept
 from ccgen.joint.layouts import AnySpans
-from ccgen.sensing.noise import length_variance
+from ccgen.sensing.noise import length_variance, stated_noise
 from ccgen.sensing.readings import (
     exact_readings,
     length_changes,
@@ -220,10 +220,17 @@ def _complete(readings: Floats, targets: Floats, weight: Floats) -> tuple[Floats
 
 
 def _noise(joint: "Joint", rows: Rows) -> Floats:
-    """Standard deviation of each length, shape (n,), metres: noise, counting and tolerance."""
-    if any(sensor.noise is None for sensor in joint.sensors):
+    """Standard deviation of each length, shape (n,), metres: noise, counting and tolerance.
+
+    The paper's sets with gains that are known weigh by the stated noise alone: counting adds too
+    little to it to be worth weights that differ in their last bits.
+    """
+    stated = stated_noise(joint)
+    if stated is None:
         raise InputError(_NO_NOISE)
     tolerance = np.array([sensor.gain_tolerance for sensor in joint.sensors])
+    if in_the_papers_way(joint) and not tolerance.any():
+        return stated
     variance = length_variance(joint)
     if tolerance.any():
         # Summed exactly: the weights' bits depend on it.

@@ -16,7 +16,7 @@ from ccgen.estimation import (
 from ccgen.figures.style import label_curve, new_figure, planar_curve, styled
 from ccgen.joint import Joint
 from ccgen.joint.layouts import end_to_end
-from ccgen.sensing.noise import told_noise
+from ccgen.sensing.noise import reading_noise
 from ccgen.sensing.readings import normalised_response, readings
 from ccgen.shapes import fit_library, fit_shapes, single_shape
 
@@ -89,7 +89,7 @@ def _estimators(joint: Joint, method: str, axis: str) -> Iterator[tuple[str, Est
         return
     library, spans = fit_library(joint), joint.axis(axis).spans
     segments = joint.geometry.segments
-    noise = told_noise(joint, axis)
+    noise = reading_noise(joint, axis)
     for name in names:
         if name != "direct":
             yield name, _of_spans(fit_weights(name, library, spans, noise))
