@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from ccgen.cli.fit_checks import checks_json, show_checks
 from ccgen.cli.output import show_table
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ def as_json(fit: "Fit", axes: Figures) -> dict[str, Any]:
         "errors": [error_json(row) for row in fit.errors],
         "warnings": list(fit.warnings),
         "without": [asdict(row) for row in fit.without],
+        "checks": checks_json(fit.checks),
+        "unchecked": list(fit.checks.notes),
     }
 
 
@@ -45,6 +48,7 @@ def show_fit(fit: "Fit", axes: Figures) -> None:
     show_axes(fit.joint, fit.method, axes)
     show_errors(fit)
     _show_without(fit)
+    show_checks(fit.checks, fit.joint.false_alarms)
 
 
 def show_axes(joint: "Joint", method: str, axes: Figures) -> None:

@@ -4,13 +4,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ccgen.cli.output import note, print_json, results, show_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ccgen.estimation.weights import Floats
     from ccgen.joint import Joint
     from ccgen.placement import Placed, Placement, Problem
+    from ccgen.shapes import Shapes
 
 _TELLING = 0.9
 """Largest gap to a lower bound that says something about the placement."""
@@ -18,7 +22,10 @@ _TELLING = 0.9
 
 def show_json(joint: "Joint", placed: "Sequence[Placed]") -> None:
     """Print one object: the answer for each axis, and at the top what holds for all of them."""
-    axes = {axis: _answer(joint, axis, one) for one in placed for axis in one.axes}
+    from ccgen.placement import wide_shapes
+
+    wide = wide_shapes(joint)
+    axes = {axis: _answer(joint, axis, one, wide) for one in placed for axis in one.axes}
     answers = list(axes.values())
     shared = {
         key: value
@@ -32,8 +39,11 @@ def show_json(joint: "Joint", placed: "Sequence[Placed]") -> None:
 
 def show(joint: "Joint", placed: "Sequence[Placed]") -> None:
     """Print a table for each part, and the lines to paste into the joint file."""
+    from ccgen.placement import wide_shapes
+
+    wide = wide_shapes(joint)
     for one in placed:
-        _show_table(joint, one)
+        _show_table(joint, one, wide)
     chosen = ", ".join(f"{_named(one)}{one.best.method}" for one in placed)
     note(f"the best ({chosen}) for the joint file; spans replace placement and count there:")
     lines = [f"[{one.table}]\nspans = {[list(span) for span in one.best.spans]}" for one in placed]
@@ -64,34 +74,39 @@ def _named(placed: "Placed") -> str:
     return f"{placed.axes[0]}: " if len(placed.axes) == 1 else ""
 
 
-def _answer(joint: "Joint", axis: str, placed: "Placed") -> dict[str, Any]:
-    described = [_describe(joint, axis, placed.problem, one) for one in placed.found]
+def _answer(joint: "Joint", axis: str, placed: "Placed", wide: "Shapes") -> dict[str, Any]:
+    # Axes that share a table are told alike, by the shapes of both.
+    angles = np.concatenate([wide.state[:, joint.rows(one)] for one in placed.axes])
+    described = [_describe(joint, axis, placed.problem, one, angles) for one in placed.found]
     return {**described[placed.found.index(placed.best)], "methods": described}
 
 
 def _describe(
-    joint: "Joint", axis: str, problem: "Problem", placement: "Placement"
+    joint: "Joint", axis: str, problem: "Problem", placement: "Placement", angles: "Floats"
 ) -> dict[str, Any]:
     from ccgen.estimation import score_percent_rom, score_with_noise_percent_rom
-    from ccgen.placement import placed_noise
+    from ccgen.placement import placed_noise, visible_faults
 
     weights = problem.weights(placement.spans)
     noise = placed_noise(joint, axis, placement.spans, problem.fit)
-    expected = None
+    expected, seen = None, None
     if noise is not None:
+        faults = visible_faults(angles, placement.spans, noise, joint.false_alarms)
+        seen = [None if percent != percent else percent for percent in faults.tolist()]
         expected = score_with_noise_percent_rom(weights, problem.score, noise)
     return {
         "method": placement.method,
         "spans": [list(span) for span in placement.spans],
         "score_percent_rom": score_percent_rom(weights, problem.score),
         "score_with_noise_percent_rom": expected,
+        "visible_faults_percent": seen,
         "evaluations": placement.evaluations,
         "optimality": placement.optimality,
         "gap": placement.gap,
     }
 
 
-def _show_table(joint: "Joint", placed: "Placed") -> None:
+def _show_table(joint: "Joint", placed: "Placed", wide: "Shapes") -> None:
     from rich.table import Table
 
     judge = "noise-aware" if placed.problem.noise else "WAM"
@@ -99,19 +114,37 @@ def _show_table(joint: "Joint", placed: "Placed") -> None:
     table = Table(title=f"{_named(placed)}{sensors}, {judge}; error in % of ROM")
     table.add_column("method", no_wrap=True)
     table.add_column("spans")
-    for heading in ("error", "with\nnoise", "optimality", "evaluations"):
+    for heading in (
+        "error",
+        "with\nnoise",
+        "faults seen\n% of reading",
+        "optimality",
+        "evaluations",
+    ):
         table.add_column(heading, justify="right", no_wrap=True)
-    for row in _answer(joint, placed.axes[0], placed)["methods"]:
+    for row in _answer(joint, placed.axes[0], placed, wide)["methods"]:
         expected = row["score_with_noise_percent_rom"]
         table.add_row(
             row["method"],
             " ".join(f"{first}-{last}" for first, last in row["spans"]),
             f"{row['score_percent_rom']:.4g}",
             "unknown" if expected is None else f"{expected:.4g}",
+            _faults(row["visible_faults_percent"]),
             _optimality(row["optimality"], row["gap"]),
             str(row["evaluations"]),
         )
     show_table(table)
+
+
+def _faults(percents: list[float | None] | None) -> str:
+    """The range of the sensors' smallest visible faults; "none" where one has none."""
+    if percents is None:
+        return "unknown"
+    known = [percent for percent in percents if percent is not None]
+    if not known:
+        return "none"
+    largest = f"{max(known):.3g}" if len(known) == len(percents) else "none"
+    return f"{min(known):.3g} to {largest}"
 
 
 def _optimality(optimality: str, gap: float | None) -> str:

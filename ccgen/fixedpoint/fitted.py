@@ -16,6 +16,7 @@ from ccgen.estimation.fit import Task, fit_task
 from ccgen.estimation.fitted import FittedWeights
 from ccgen.estimation.sources import Source, simulated_sources
 from ccgen.fixedpoint.formats import quantise
+from ccgen.fixedpoint.joint_checks import JointChecks, joint_checks
 from ccgen.fixedpoint.model import FixedPointModel, Floats
 from ccgen.joint import AXES, Joint, Sensor
 from ccgen.sensing.noise import second_moment, told_noise
@@ -55,6 +56,15 @@ class Fit(FittedWeights):
         alone = self._is_stated and not self.joint.couples
         held = self.shapes if alone else joined([self.shapes, _at_range(self.joint)])
         return quantise(self.joint, self.weights, held)
+
+    @cached_property
+    def checks(self) -> JointChecks:
+        """How the joint's sensors are held against each other, and which faults are seen.
+
+        Raises:
+            FormatError: as of `model`; ReachError: no draw of the joint's loads gives a shape.
+        """
+        return joint_checks(self.joint, self.shapes, lambda: self.model)
 
     @property
     def noise(self) -> dict[str, Floats | None]:

@@ -209,6 +209,12 @@ class Joint:
     own_keys: frozenset[str] = field(default=frozenset(), compare=False)
     """Tables of the file for one axis or sensor alone, and the keys in them, in full: "sensors.v",
     "sensors.v.transducer.noise"; `ccgen.joint.places` tells where a value stands."""
+    fallback: bool = True
+    """Whether weights serve while a sensor gives no reading."""
+    check: bool = True
+    """Whether sensors are held against each other."""
+    false_alarms: float = 1e-6
+    """Of that check, share of the snapshots."""
     recordings: tuple[RecordingFile, ...] = ()
     loads: LoadRanges | None = None
     """What the joint meets at work; None where the file does not say."""

@@ -189,6 +189,15 @@ class EstimatorTable(Table):
         description='one or more of "u", "v", "h"',
         examples=[["u", "v"]],
     )
+    fallback: bool = Field(default=True, description="true or false", examples=[True])
+    check: bool = Field(default=True, description="true or false", examples=[True])
+    false_alarms: float = Field(
+        default=1e-6,
+        ge=1e-9,
+        le=0.1,
+        description="a share of the snapshots, from 1e-9 to 0.1",
+        examples=[1e-6],
+    )
 
 
 class FixedPointTable(Table):

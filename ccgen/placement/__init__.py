@@ -2,6 +2,7 @@
 
 from ccgen.placement.constraints import Constraints
 from ccgen.placement.evolution import Evolution, evolve
+from ccgen.placement.faults import visible_faults, wide_shapes
 from ccgen.placement.methods import METHODS, place_by
 from ccgen.placement.placed import OBJECTIVES, Placed, place
 from ccgen.placement.problem import Placement, Problem, check_placeable, joint_problem, placed_noise
@@ -23,4 +24,6 @@ __all__ = [
     "place_by",
     "placed_noise",
     "search",
+    "visible_faults",
+    "wide_shapes",
 ]

@@ -1,0 +1,53 @@
+"""How small a fault of a sensor may be until the others no longer contradict it, by placement."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ccgen.estimation.consistency.alarms import thresholds
+from ccgen.estimation.consistency.faults import faults
+from ccgen.estimation.consistency.residuals import residual_matrix
+from ccgen.estimation.consistency.sound import SoundReadings
+from ccgen.estimation.weights import Floats
+from ccgen.joint.layouts import Spans
+from ccgen.sensing.readings import readings
+
+if TYPE_CHECKING:
+    from ccgen.joint import Joint
+    from ccgen.shapes import Shapes
+
+
+def visible_faults(angles: Floats, spans: Spans, noise_rad: Floats, rate: float) -> Floats:
+    """The smallest fault of each sensor that 99 % of snapshots show.
+
+    Args:
+        angles: shapes that the joint takes at work, shape (N, m), radians.
+        spans: the n sensors' spans.
+        noise_rad: deviation of each normalised reading, shape (n,), radians, above 0.
+        rate: of false alarms, of snapshots.
+
+    Returns:
+        Shape (n,), % of the sensor's largest reading; NaN where no fault that small is seen.
+    """
+    read = readings(angles, spans)
+    count, sensors = read.shape
+    if sensors < 2:
+        return np.full(sensors, np.nan)
+    noise = np.broadcast_to(np.square(noise_rad), read.shape)
+    sound = SoundReadings(read, noise, np.full(count, 1.0 / count))
+    matrix = residual_matrix(sound, [slice(0, sensors)])
+    told = faults(matrix, thresholds(matrix, sound, rate), sound)
+    percent = 100.0 * told.detectable / np.abs(read).max(axis=0)
+    return np.asarray(np.where(percent <= 100.0, percent, np.nan))
+
+
+def wide_shapes(joint: "Joint") -> "Shapes":
+    """Shapes of a joint at work: of its loads, or of any loads where none are stated.
+
+    Raises:
+        ReachError: no draw of the joint's loads gives a shape.
+    """
+    from ccgen.shapes.loads.library import loads_library, other_library
+
+    drawn = loads_library(joint)
+    return other_library(joint) if drawn is None else drawn.shapes
