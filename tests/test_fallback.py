@@ -26,13 +26,13 @@ def fitted(method="wam", **changes):
 
 
 def lost(fit, axis, j):
-    return fallback(fit.joint, axis, fit.method, fit.shapes, j)
+    return fallback(fit.task, axis, fit.method, j)
 
 
 def serving(fit, axis):
-    joint, own = fit.joint, fit.weights[axis]
+    own = fit.weights[axis]
     alone = [lost(fit, axis, j) for j in range(own.sensors)]
-    return quantise_with_fallbacks(joint, axis, own, alone, fit.shapes)
+    return quantise_with_fallbacks(fit.task, axis, own, alone, fit.shapes)
 
 
 def tables(fit, axis):
@@ -108,8 +108,8 @@ def test_fallbacks_that_need_larger_weights_err_as_without_a_format(layout, meth
     found = serving(fit, "u")
     rom = fit.joint.geometry.range_of_motion
     for j, weights in enumerate(found.weights):
-        free = expected_error(fit.joint, "u", lost(fit, "u", j), fit.shapes)
-        own = expected_error(fit.joint, "u", weights, fit.shapes)
+        free = expected_error(fit.task, "u", lost(fit, "u", j))
+        own = expected_error(fit.task, "u", weights)
         assert own <= 1.01 * free + 1e-4 * rom
 
 
@@ -168,7 +168,7 @@ def test_held_weights_keep_their_limit_and_leave_the_others_free():
     fit = fitted("noise-aware", count=5)
     weights = lost(fit, "u", 4)
     limit = np.full(5, 0.8 * np.abs(weights.matrix).max())
-    found = held(fit.joint, "u", weights, fit.shapes, limit)
+    found = held(fit.task, "u", weights, limit)
     assert np.abs(found.matrix).max() <= limit[0]
     within = (np.abs(weights.matrix) <= limit).all(axis=1)
     assert within.any()
@@ -222,8 +222,8 @@ def test_each_of_nine_coupled_strings_has_a_fallback_on_every_axis(precision):
         found = serving(fit, axis)
         assert all(rows is not None for rows in found.fallbacks.rows)
         for j, weights in enumerate(found.weights):
-            free = expected_error(fit.joint, axis, lost(fit, axis, j), fit.shapes)
-            own = expected_error(fit.joint, axis, weights, fit.shapes)
+            free = expected_error(fit.task, axis, lost(fit, axis, j))
+            own = expected_error(fit.task, axis, weights)
             assert own <= 1.01 * free + 1e-4 * (1.0 if axis == "h" else np.radians(3.0))
 
 
@@ -237,9 +237,7 @@ def test_the_only_sensor_that_sees_an_axis_loses_it():
         text += f'[[sensor]]\nname = "{name}"\nspan = [0, 11]\nangle = {angle}\nradius = 0.03\n'
     fit = ccgen.fit(ccgen.parse(text))
     own = fit.joint.own("u")
-    found = [
-        fallback(fit.joint, "u", "noise-aware", fit.shapes, j) for j in range(own.stop - own.start)
-    ]
+    found = [fallback(fit.task, "u", "noise-aware", j) for j in range(own.stop - own.start)]
     names = [sensor.name for sensor in fit.joint.sensors[own]]
     gone = [name for name, weights in zip(names, found, strict=True) if weights is None]
     assert gone == ["top"]

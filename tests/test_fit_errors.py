@@ -168,7 +168,7 @@ def test_a_lost_sensor_costs_what_is_told():
     fitted = fit(joint, "noise-aware")
     row = fitted.without[4]
     assert row.sensor == "v1"
-    weights = {**fitted.weights, "v": fallback(joint, "v", "noise-aware", fitted.shapes, 1)}
+    weights = {**fitted.weights, "v": fallback(fitted.task, "v", "noise-aware", 1)}
     shapes = fitted.stated.shapes
     told = errors_of("", missed(joint, weights, shapes, True), True, False)
     assert row.rms_deg["v"] == pytest.approx(told.rms_deg["v"], rel=1e-4)

@@ -15,52 +15,58 @@ from numpy.typing import NDArray
 from ccgen.double_double import DoubleDouble, concatenate, least_squares, matmul
 from ccgen.errors import InputError
 from ccgen.estimation.coupled import spans_of
-from ccgen.estimation.fit import fit_axis
+from ccgen.estimation.fit import Task, weights_of
 from ccgen.estimation.weights import Floats, Weights, without_intercept
-from ccgen.sensing.noise import second_moment, told_noise
-from ccgen.sensing.readings import normalised_response
+from ccgen.sensing.noise import told_noise
+from ccgen.sensing.readings import normalised_response, normaliser
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
     from ccgen.joint.specification import AxisSensors
-    from ccgen.shapes import Shapes
+
+_MANY_ROWS = 4000
 
 _NOTHING_LEFT = 0.98
 """Share of the axis' own size from which on an error says that nothing is estimated."""
 
 
-def fallback(joint: "Joint", axis: str, method: str, shapes: "Shapes", lost: int) -> Weights | None:
+def fallback(task: Task, axis: str, method: str, lost: int) -> Weights | None:
     """Weights of an output axis while one of its sensors gives no reading.
 
     Args:
-        joint: its sensors.
+        task: what the axis' own weights are fitted to.
         axis: an output axis.
-        method: of the axis' own weights.
-        shapes: that those are fitted to.
+        method: of the axis' own weights: "direct", "equal", "wam" or "noise-aware".
         lost: number of the sensor among those that the axis reads.
 
     Returns:
         Weights for all sensors of the axis, 0 for the lost one; None where the others do not
         tell the axis.
     """
-    own = joint.own(axis)
+    own = task.joint.own(axis)
     if own.stop - own.start < 2:
         return None
-    rest = without(joint, own.start + lost)
-    try:
-        found = fit_axis(rest, axis, method, shapes)
-    except InputError:
-        if method not in ("direct", "equal"):
-            raise
-        found = fit_axis(rest, axis, "wam", shapes)
-    matrix = np.insert(found.matrix, lost, 0.0, axis=1)
-    states = shapes.state
-    read = states @ normalised_response(joint)[own].T
-    actual = states[:, joint.rows(axis)]
-    missed = np.square(read @ matrix.T - actual).sum()
-    if missed >= _NOTHING_LEFT**2 * np.square(actual).sum():
+    weights = _without_fit(task, axis, method, lost)
+    if weights is None:
+        fitted = "wam" if method in ("direct", "equal") else method
+        weights = weights_of(task, axis, fitted, own.start + lost)
+    actual = task.rows.state[:, task.joint.rows(axis)]
+    missed = _estimated(task, axis, weights) - actual
+    squares = [float(task.rows.weight @ np.square(one).sum(axis=1)) for one in (missed, actual)]
+    return None if squares[0] >= _NOTHING_LEFT**2 * squares[1] else weights
+
+
+def _without_fit(task: Task, axis: str, method: str, lost: int) -> Weights | None:
+    """Direct or equal weights of the sensors that are left, where they cover every segment."""
+    if method not in ("direct", "equal"):
         return None
-    return without_intercept(found.method, spans_of(joint.sensors[own]), matrix)
+    joint, own = task.joint, task.joint.own(axis)
+    try:
+        found = weights_of(replace(task, joint=without(joint, own.start + lost)), axis, method)
+    except InputError:
+        return None
+    matrix = np.insert(found.matrix, lost, 0.0, axis=1)
+    return without_intercept(method, spans_of(joint.sensors[own]), matrix)
 
 
 def without(joint: "Joint", sensor: int) -> "Joint":
@@ -82,31 +88,68 @@ def _set_without(own: "AxisSensors", sensor: int) -> "AxisSensors":
     return replace(own, spans=own.spans[:sensor] + own.spans[sensor + 1 :])
 
 
-def held(joint: "Joint", axis: str, weights: Weights, shapes: "Shapes", limit: Floats) -> Weights:
+def held(task: Task, axis: str, weights: Weights, limit: Floats) -> Weights:
     """The same weights, none larger than its limit: least squares over the others.
 
     Args:
-        joint: its sensors.
+        task: what they are fitted to.
         axis: an output axis.
         weights: of that axis; a column of zeros stays one.
-        shapes: that they are fitted to.
         limit: largest |weight| of each sensor, shape (n,), 0 or more.
     """
     if (np.abs(weights.matrix) <= limit).all():
         return weights
-    own, states = joint.own(axis), shapes.state / np.sqrt(len(shapes))
-    system = matmul(states, normalised_response(joint)[own].T)
-    wanted = states[:, joint.rows(axis)]
-    noise = told_noise(joint, axis, second_moment(shapes.state))
-    if weights.method == "noise-aware" and noise is not None:
-        system = concatenate([system, DoubleDouble.of(np.diag(noise))])
-        wanted = np.vstack([wanted, np.zeros((noise.size, wanted.shape[1]))])
+    system, wanted = _system(task, axis, weights.method == "noise-aware")
     used = np.asarray(weights.matrix.any(axis=0))
     rows = [
         row if (np.abs(row) <= limit).all() else _held_row(system, target, row, limit, used)
         for row, target in zip(weights.matrix, wanted.T, strict=True)
     ]
     return without_intercept(weights.method, weights.spans, np.array(rows))
+
+
+def expected_error(task: Task, axis: str, weights: Weights) -> float:
+    """Root mean square error of an axis on what it is fitted to, radians (a share for "h").
+
+    With the noise of the readings, where it is known.
+    """
+    missed = _estimated(task, axis, weights) - task.rows.state[:, task.joint.rows(axis)]
+    square = float(task.rows.weight @ np.square(missed).mean(axis=1))
+    noise = _deviation(task, axis)
+    if noise is not None:
+        square += float(np.square(weights.matrix * noise).sum(axis=1).mean())
+    return float(np.sqrt(square))
+
+
+def _estimated(task: Task, axis: str, weights: Weights) -> Floats:
+    """Estimates from ideal readings of the rows, shape (N, m or S)."""
+    read = task.rows.state @ normalised_response(task.joint)[task.joint.own(axis)].T
+    return np.asarray(read @ weights.matrix.T)
+
+
+def _deviation(task: Task, axis: str) -> Floats | None:
+    """Deviation of the normalised readings of an axis; None where it is not known."""
+    own = task.joint.own(axis)
+    if task.noise is not None:
+        return np.asarray((task.noise / normaliser(task.joint))[own])
+    return told_noise(task.joint, axis, task.rows.second_moment)
+
+
+def _system(task: Task, axis: str, noisy: bool) -> tuple[DoubleDouble, Floats]:
+    """Least squares of the weights, system @ weights^T ~ wanted, with noise among the rows."""
+    own = task.joint.own(axis)
+    states = task.rows.state * np.sqrt(task.rows.weight)[:, None]
+    wanted = states[:, task.joint.rows(axis)]
+    system = matmul(states, normalised_response(task.joint)[own].T)
+    if len(states) > _MANY_ROWS:  # the same problem in as many rows as it has columns
+        small: Floats = np.asarray(np.linalg.qr(np.hstack([system.hi, wanted]), mode="r"))
+        count = own.stop - own.start
+        system, wanted = DoubleDouble.of(small[:, :count]), small[:, count:]
+    noise = _deviation(task, axis) if noisy else None
+    if noise is None:
+        return system, wanted
+    system = concatenate([system, DoubleDouble.of(np.diag(noise))])
+    return system, np.vstack([wanted, np.zeros((noise.size, wanted.shape[1]))])
 
 
 def _held_row(
@@ -121,18 +164,3 @@ def _held_row(
             left = (target[:, None] - matmul(system[:, ~free], row[~free, None])).hi
             row[free] = least_squares(system[:, free], left)[:, 0]
     return row
-
-
-def expected_error(joint: "Joint", axis: str, weights: Weights, shapes: "Shapes") -> float:
-    """Root mean square error of an axis on shapes, radians (a share of the length for "h").
-
-    With the noise of the readings, the step of the counts and the tolerance of the gains, where
-    noise is stated.
-    """
-    states, own = shapes.state, joint.own(axis)
-    missed = states @ normalised_response(joint)[own].T @ weights.matrix.T
-    square = float(np.mean(np.square(missed - states[:, joint.rows(axis)])))
-    noise = told_noise(joint, axis, second_moment(states))
-    if noise is not None:
-        square += float(np.square(weights.matrix * noise).sum(axis=1).mean())
-    return float(np.sqrt(square))

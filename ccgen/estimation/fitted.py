@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from ccgen.errors import ReachError
 from ccgen.estimation.errors import ErrorRow, Missed, errors_of, missed
-from ccgen.estimation.fit import Task, weights_of
+from ccgen.estimation.fallback import fallback
+from ccgen.estimation.fit import Task
 from ccgen.estimation.sources import CASES, OTHER, Source, within_axes
 from ccgen.estimation.weights import Weights
 from ccgen.joint import METHODS
@@ -126,13 +127,17 @@ class FittedWeights:
         own = [source for source in self.task.sources if source.name != CASES]
         return [*own, Source(OTHER, within_axes(self.joint, other_library(self.joint)), 0.0)]
 
+    def fallback(self, axis: str, sensor: int, task: Task | None = None) -> Weights | None:
+        """Weights of an axis without a sensor of the joint; None where it is lost without it."""
+        first = self.joint.own(axis).start
+        return fallback(task or self.task, axis, self._serving, sensor - first)
+
     def _without(self, sensor: int) -> Without:
         name = self.joint.sensors[sensor].name
-        served = {
-            a: weights_of(self.quick, a, self._serving, sensor) for a in self._readers(sensor)
-        }
-        weights = {**self.weights, **served}
-        lost = [axis for axis, own in weights.items() if not own.matrix.any()]
+        served = {a: self.fallback(a, sensor, self.quick) for a in self._readers(sensor)}
+        lost = [axis for axis, own in served.items() if own is None]
+        known = {axis: own for axis, own in served.items() if own is not None}
+        weights = {**self.weights, **known}
         found = errors_of(name, self.missed(self.stated.shapes, True, weights), True, False)
         return Without(
             sensor=name,

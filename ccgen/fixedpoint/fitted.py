@@ -16,8 +16,10 @@ from ccgen.estimation.fit import Task, fit_task
 from ccgen.estimation.fitted import FittedWeights
 from ccgen.estimation.sources import Source, simulated_sources
 from ccgen.fixedpoint.formats import quantise
+from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.joint_checks import JointChecks, joint_checks
 from ccgen.fixedpoint.model import FixedPointModel, Floats
+from ccgen.fixedpoint.serving import quantise_with_fallbacks
 from ccgen.joint import AXES, Joint, Sensor
 from ccgen.sensing.noise import second_moment, told_noise
 from ccgen.shapes import Shapes, bent_alike, joined
@@ -53,9 +55,28 @@ class Fit(FittedWeights):
         Raises:
             FormatError: no format fits; names the sensor, the key and the remedy.
         """
-        alone = self._is_stated and not self.joint.couples
-        held = self.shapes if alone else joined([self.shapes, _at_range(self.joint)])
-        return quantise(self.joint, self.weights, held)
+        return quantise(self.joint, self.weights, self._held)
+
+    @cached_property
+    def guarded(self) -> GuardedModel:
+        """The integer reference model with what serves and watches over sensors that fail.
+
+        Its axes are those of `model`, with a coarser shift where a fallback needs larger weights.
+
+        Raises:
+            FormatError: as of `model`; ReachError: no draw of the joint's loads gives a shape.
+        """
+        joint, model = self.joint, self.model
+        if not joint.fallback:
+            return GuardedModel(model, {}, self.checks.groups)
+        found = {}
+        for axis, own in self.weights.items():
+            first = joint.own(axis).start
+            lost = [self.fallback(axis, first + j) for j in range(own.sensors)]
+            found[axis] = quantise_with_fallbacks(self.task, axis, own, lost, self._held)
+        shared = replace(model, axes={axis: one.model for axis, one in found.items()})
+        fallbacks = {axis: one.fallbacks for axis, one in found.items()}
+        return GuardedModel(shared, fallbacks, self.checks.groups)
 
     @cached_property
     def checks(self) -> JointChecks:
@@ -110,6 +131,12 @@ class Fit(FittedWeights):
             ArgumentError: another form, or lengths in the place of counts.
         """
         return estimate(self.joint, self.sensors, self.weights, counts)
+
+    @cached_property
+    def _held(self) -> Shapes:
+        """Shapes that formats hold."""
+        alone = self._is_stated and not self.joint.couples
+        return self.shapes if alone else joined([self.shapes, _at_range(self.joint)])
 
     @property
     def _is_stated(self) -> bool:

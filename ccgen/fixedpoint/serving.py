@@ -12,6 +12,7 @@ import numpy as np
 
 from ccgen.estimation import Weights
 from ccgen.estimation.fallback import expected_error, held
+from ccgen.estimation.fit import Task
 from ccgen.fixedpoint.fallback import Fallbacks, fallbacks, weight_limit
 from ccgen.fixedpoint.formats import quantise_axis
 from ccgen.fixedpoint.model import AxisModel, Floats
@@ -45,27 +46,28 @@ class ServedAxis:
 
 
 def quantise_with_fallbacks(
-    joint: Joint, axis: str, weights: Weights, lost: Sequence[Weights | None], shapes: Shapes
+    task: Task, axis: str, weights: Weights, lost: Sequence[Weights | None], shapes: Shapes
 ) -> ServedAxis:
     """Fixed-point model of one output axis and of its fallbacks.
 
     Args:
-        joint: the specification.
+        task: what weights are fitted to, and the joint.
         axis: an output axis.
         weights: of that axis.
         lost: for each of its sensors the weights without it, or None.
-        shapes: that weights are fitted to and sensors must follow.
+        shapes: that the sensors must follow.
 
     Raises:
         FormatError: no format fits the axis' own weights.
     """
-    allowed = [_allowed(joint, axis, one, shapes) for one in lost]
+    joint = task.joint
+    allowed = [_allowed(task, axis, one) for one in lost]
     for coarser in range(_COARSER + 1):
         model = quantise_axis(joint, axis, weights, shapes, coarser)
         limit = weight_limit(model) / _gain_per_weight(joint, axis)
-        kept = [None if one is None else held(joint, axis, one, shapes, limit) for one in lost]
+        kept = [None if one is None else held(task, axis, one, limit) for one in lost]
         fits = all(
-            one is None or one is free or expected_error(joint, axis, one, shapes) <= most
+            one is None or one is free or expected_error(task, axis, one) <= most
             for one, free, most in zip(kept, lost, allowed, strict=True)
         )
         if fits or coarser == _COARSER or model.shift == 0:
@@ -74,11 +76,11 @@ def quantise_with_fallbacks(
     return ServedAxis(model, fallbacks(model, gains), kept)
 
 
-def _allowed(joint: Joint, axis: str, weights: Weights | None, shapes: Shapes) -> float:
+def _allowed(task: Task, axis: str, weights: Weights | None) -> float:
     if weights is None:
         return 0.0
-    unit = 1.0 if axis == "h" else joint.geometry.range_of_motion
-    return _COSTS * expected_error(joint, axis, weights, shapes) + _NEGLIGIBLE * unit
+    unit = 1.0 if axis == "h" else task.joint.geometry.range_of_motion
+    return _COSTS * expected_error(task, axis, weights) + _NEGLIGIBLE * unit
 
 
 def _gain_per_weight(joint: Joint, axis: str) -> Floats:

@@ -1,0 +1,81 @@
+"""Fallbacks and checks as JSON records, beside the axes of `model.json`."""
+
+from typing import Any
+
+import numpy as np
+
+from ccgen.fixedpoint import bounds
+from ccgen.fixedpoint.consistency import GroupCheck, largest_residual
+from ccgen.fixedpoint.fallback import Fallbacks
+from ccgen.fixedpoint.guarded import GuardedModel
+from ccgen.fixedpoint.model import AxisModel, FixedPointModel
+
+
+def guard_record(guarded: GuardedModel) -> dict[str, Any]:
+    """The keys "fallbacks" and "checks"."""
+    return {
+        "fallbacks": {
+            axis: {
+                "rows": [None if rows is None else rows.tolist() for rows in own.rows],
+                "saturates": own.saturates,
+            }
+            for axis, own in guarded.fallbacks.items()
+        },
+        "checks": [
+            {
+                "first": group.first,
+                "weights": group.weights.tolist(),
+                "threshold": group.threshold.tolist(),
+                "margin": group.margin.tolist(),
+            }
+            for group in guarded.groups
+        ],
+    }
+
+
+def guarded_model(model: FixedPointModel, record: dict[str, Any]) -> GuardedModel:
+    """The model with what a record holds, checked against overflow again.
+
+    Raises:
+        KeyError, TypeError, ValueError: no record of this model.
+    """
+    fallbacks = {
+        name: _fallbacks(model.axis(name), own) for name, own in record["fallbacks"].items()
+    }
+    groups = tuple(_group(model, own) for own in record["checks"])
+    return GuardedModel(model, fallbacks, groups)
+
+
+def _fallbacks(axis: AxisModel, record: dict[str, Any]) -> Fallbacks:
+    rows = [None if one is None else np.array(one, dtype=np.int64) for one in record["rows"]]
+    if len(rows) != axis.sensors:
+        raise ValueError(f"axis {axis.axis}: {len(rows)} fallbacks of {axis.sensors} sensors")
+    limit = 2 ** (2 * axis.precision - 1) - 1
+    for j, one in enumerate(rows):
+        if one is None:
+            continue
+        if one.shape != axis.weights.shape or one[:, j].any():
+            raise ValueError(f"axis {axis.axis}: fallback {j} of another shape")
+        sums = bounds.largest_accumulator(one, axis.bias, axis.span) + (1 << axis.shift)
+        if np.abs(one).max() > axis.angle_limit or sums > limit:
+            raise ValueError(f"axis {axis.axis}: fallback {j} does not fit the format")
+    return Fallbacks(rows, bool(record["saturates"]))
+
+
+def _group(model: FixedPointModel, record: dict[str, Any]) -> GroupCheck:
+    weights, threshold, margin = (
+        np.array(record[key], dtype=np.int64) for key in ("weights", "threshold", "margin")
+    )
+    group = GroupCheck(int(record["first"]), model.precision, weights, threshold, margin)
+    parts = [axis for axis in model.axes.values() if axis.part == group.own]
+    count = len(threshold)
+    if not parts or weights.shape != (count, count) or margin.shape != (count,):
+        raise ValueError(f"check of sensors {group.own.start} to {group.own.stop - 1}")
+    limit = 2 ** (2 * model.precision - 1) - 1
+    steps = np.concatenate([threshold, margin])
+    fits = (steps >= 0).all() and (steps <= limit).all()
+    if not fits or np.abs(weights).max() > 2 ** (model.precision - 1) - 1:
+        raise ValueError(f"check of sensors from {group.first} does not fit the precision")
+    if largest_residual(weights, parts[0].span) > limit:
+        raise ValueError(f"check of sensors from {group.first} may overflow")
+    return group
