@@ -287,7 +287,7 @@ def test_a_joint_that_its_file_does_not_describe_is_not_exported(joint, tmp_path
 
 def test_placements_are_compared_for_both_axes_at_once(joint):
     (placed,) = ccgen.place(joint, sensors=3, constraints=Constraints(longest=8))
-    assert (placed.table, placed.axes, placed.estimator) == ("sensors", ("u", "v"), "wam")
+    assert (placed.table, placed.axes, placed.estimator) == ("sensors", ("u", "v"), "noise-aware")
     assert placed.best.method == "search"
     assert placed.best.optimality == "proven"
     assert [one.method for one in placed.found][-2:] == ["evolutionary", "search"]
