@@ -44,7 +44,7 @@ def _other_loads(fit: FittedWeights) -> Iterator[str]:
         return
     cases = fitted == [CASES]
     remedy = (
-        "state the joint's loads in [loads], or record it ([[recordings]])"
+        "state the joint's loads in [loads]"
         if cases
         else "state every load that it meets in [loads]"
     )

@@ -66,8 +66,15 @@ def simulated_sources(joint: "Joint", recorded: bool = False) -> list[Source]:
         recorded: whether recordings to fit to are given beside them.
 
     Raises:
+        InputError: the joint names recordings, and none are given beside them.
         ReachError: the cases or the loads do not bend the joint so far.
     """
+    if joint.recordings and not recorded:
+        # Weights that left them out in silence would be told as the recorded joint's.
+        raise InputError(
+            f"{joint.source}: recordings: are read and checked, but this version fits no weights "
+            "to them; remove [[recordings]], or give measured angles to ccgen.fit in Python"
+        )
     weights = source_weights(joint, recorded)
     sources = []
     if joint.shapes.cases and weights[CASES] > 0:
@@ -132,8 +139,8 @@ def weighed_rows(joint: "Joint", sources: Sequence[Source]) -> Rows:
     counted = [source for source in sources if source.weight > 0 and len(source)]
     if not counted:
         raise InputError(
-            f"{joint.source}: shapes.weight: leaves no shapes to fit to; give cases, [loads] or "
-            "[[recordings]] a weight above 0"
+            f"{joint.source}: shapes.weight: leaves no shapes to fit to; give cases or [loads] a "
+            "weight above 0"
         )
     total = sum(source.weight for source in counted)
     return Rows(

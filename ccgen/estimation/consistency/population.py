@@ -37,7 +37,7 @@ def why_unchecked(joint: "Joint", shapes: "Shapes") -> str | None:
     if joint.loads is None and set(shapes.source) == {CASES}:
         return (
             "the load cases alone do not show what sound sensors read; state the joint's loads in "
-            "[loads], or give recordings"
+            "[loads]"
         )
     return None
 
