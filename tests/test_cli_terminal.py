@@ -53,7 +53,9 @@ def test_the_c_locale_is_no_error(tmp_path):
     assert done.returncode == 2
     assert "arm: wam" in done.stdout
     assert "rm.toml: no such file" in done.stderr
-    assert done.stderr.count("\n") == 1
+    warning, error = done.stderr.splitlines()
+    assert warning.startswith("ccgen: warning: the weights are fitted to the load cases alone")
+    assert error.startswith("ccgen: error: ")
 
 
 def test_every_sign_that_the_program_writes_has_a_meaning_in_ascii():
@@ -77,7 +79,9 @@ def test_a_full_disk_is_one_line_and_status_2(words):
 @pytest.mark.parametrize("words", ["--help", f"fit {SHOULDER}", f"fit {SHOULDER} --json"])
 def test_a_closed_pipe_ends_quietly(words):
     done = shell(f"set -o pipefail; ccgen {words} | true")
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert (done.returncode, done.stdout) == (0, "")
+    # What the fit warns of is no word about the pipe: it stands there without one, too.
+    assert done.stderr in ("", shell(f"ccgen {words} > /dev/null").stderr)
 
 
 def test_a_check_that_fails_is_told_by_the_status_behind_a_closed_pipe_too(exported):

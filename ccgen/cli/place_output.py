@@ -111,13 +111,13 @@ def _show_table(joint: "Joint", placed: "Placed", wide: "Shapes") -> None:
 
     judge = "noise-aware" if placed.problem.noise else "WAM"
     sensors = "1 sensor" if placed.problem.sensors == 1 else f"{placed.problem.sensors} sensors"
-    table = Table(title=f"{_named(placed)}{sensors}, {judge}; error in % of ROM")
+    table = Table(title=f"{_named(placed)}{sensors}, {judge}: error, % of ROM")
     table.add_column("method", no_wrap=True)
     table.add_column("spans")
     for heading in (
         "error",
         "with\nnoise",
-        "faults seen\n% of reading",
+        "faults seen\n%",
         "optimality",
         "evaluations",
     ):
