@@ -43,6 +43,9 @@ JOINT_FILES = {
 }
 """Generated files of the folder and their templates."""
 
+CALIBRATION_FILE = "calibration.toml"
+"""Copy of the joint's calibration file, whatever path joint.toml gives."""
+
 RUNTIME_FILES = (("include/ccgen", "src/ccgen"), ("src", "src/ccgen"), ("ports", "ports"))
 """Folders of the C runtime and where they go."""
 
@@ -109,6 +112,8 @@ def render(fitted: Fit) -> tuple[FrameLayout, dict[str, bytes]]:
     texts[f"{joint.name}.dbc"] = dbc_text(layout, joint, model)
     texts["model.json"] = model_json(model)
     files = runtime | {"joint.toml": joint.content, "LICENSE": resources.licence().read_bytes()}
+    if joint.calibration_content:
+        files[CALIBRATION_FILE] = joint.calibration_content
     files |= {path: text.encode("utf-8") for path, text in texts.items()}
     files[FILE_NAME] = manifest_json(joint.name, _inputs(fitted), files).encode("utf-8")
     return layout, files
@@ -119,6 +124,8 @@ def _inputs(fitted: Fit) -> dict[str, bytes]:
     inputs = {"joint.toml": fitted.joint.content}
     if set(fitted.shapes.source) != {"cases"}:
         inputs["shapes"] = fitted.shapes.state.astype("<f8").tobytes()
+    if fitted.joint.calibration_content:
+        inputs[CALIBRATION_FILE] = fitted.joint.calibration_content
     return inputs
 
 
@@ -126,7 +133,11 @@ def _expressible(joint: Joint) -> Joint:
     """The joint, once it is clear that its file and the C can say what it is."""
     _check_expressible(joint)
     try:
-        stated = parse_joint(joint.content.decode("utf-8-sig"), joint.source)
+        stated = parse_joint(
+            joint.content.decode("utf-8-sig"),
+            joint.source,
+            calibrations=lambda _: joint.calibration_content or None,
+        )
     except (InputError, UnicodeDecodeError):
         stated = None
     if stated != joint:

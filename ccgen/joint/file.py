@@ -9,6 +9,8 @@ from pydantic import ValidationError
 from ccgen.errors import ArgumentError, InputError
 from ccgen.joint import listed, sensors, toml
 from ccgen.joint.axes import check_seen, output_axes, parts_of
+from ccgen.joint.calibration import calibrated
+from ccgen.joint.calibration_file import Calibrations, beside, parse_calibration
 from ccgen.joint.geometry import geometry_of
 from ccgen.joint.load_files import load_ranges
 from ccgen.joint.messages import KeyProblemError, first_problem, toml_value
@@ -59,24 +61,31 @@ def parse(text: str, folder: str | Path = ".") -> Joint:
     return parse_joint(text, "joint.toml", Path(folder))
 
 
-def read_joint(path: Path) -> Joint:
+def read_joint(path: Path, calibrations: Calibrations | None = None) -> Joint:
     """Read and check a joint file, which may be a pipe: it is read once.
+
+    Args:
+        path: where it is.
+        calibrations: as of `parse_joint`.
 
     Raises:
         InputError: in one line the file, the key (or line), what is wrong, what would be right.
     """
     data = toml.read_bytes(path, _KIND)
-    joint = parse_joint(toml.decoded(data, str(path)), str(path), path.parent)
+    joint = parse_joint(toml.decoded(data, str(path)), str(path), path.parent, calibrations)
     return replace(joint, content=data)
 
 
-def parse_joint(text: str, source: str, folder: Path = Path()) -> Joint:
+def parse_joint(
+    text: str, source: str, folder: Path = Path(), calibrations: Calibrations | None = None
+) -> Joint:
     """Check the text of a joint file.
 
     Args:
         text: what the file holds.
         source: names it in messages.
         folder: where the paths in it lead from.
+        calibrations: gives the calibration file that it names; the one at its path by default.
 
     Raises:
         InputError: as `read_joint`.
@@ -84,6 +93,8 @@ def parse_joint(text: str, source: str, folder: Path = Path()) -> Joint:
     document = toml.parse(text, source, _KIND)
     try:
         joint = _joint(JointTable.model_validate(document), source, folder)
+        joint = _with_calibration(joint, calibrations or beside(folder))
+        _check_method(joint)
     except ValidationError as error:
         raise InputError(f"{source}: {first_problem(error, JointTable)}") from None
     except KeyProblemError as problem:
@@ -116,10 +127,28 @@ def _joint(table: JointTable, source: str, folder: Path) -> Joint:
         own_keys=frozenset({*sensors.own_keys(table.sensors), *listed.own_keys(table)}),
         recordings=recording_files(table, folder),
         loads=loads,
+        calibration=table.calibration,
     )
-    _check_method(joint)
     _check_ids(table.can, _fewest_frames(table, joint))
     return joint
+
+
+def _with_calibration(joint: Joint, calibrations: Calibrations) -> Joint:
+    """The joint with the calibration that its file names.
+
+    Raises:
+        InputError: there is none, or it is damaged; KeyProblemError: it is not of this joint.
+    """
+    if joint.calibration is None:
+        return joint
+    try:
+        data = calibrations(joint.calibration)
+        if data is None:
+            return joint
+        calibration = parse_calibration(data, joint.calibration)
+    except InputError as error:
+        raise InputError(f"{joint.source}: calibration: {error}") from None
+    return replace(calibrated(joint, calibration), calibration_content=data)
 
 
 @dataclass(frozen=True)

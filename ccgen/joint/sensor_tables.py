@@ -26,7 +26,7 @@ def _not_too_fine(value: float) -> float:
 
 
 _Bits = Annotated[int, Field(ge=2, le=32)]
-_Step = Annotated[float, Field(ge=-1.0, le=1.0), AfterValidator(_not_too_fine)]
+Step = Annotated[float, Field(ge=-1.0, le=1.0), AfterValidator(_not_too_fine)]
 _Noise = Annotated[float, Field(ge=0.0, le=1e3)]
 _Count = Annotated[int, Field(ge=-(2**31), le=2**32)]
 _Pair = Annotated[list[_Count], Field(min_length=2, max_length=2)]
@@ -84,7 +84,7 @@ class TransducerTable(Table):
     signed: OneOrEach[bool] | None = Field(
         default=None, description=_SIGNED.text, examples=_SIGNED.examples
     )
-    metres_per_count: OneOrEach[_Step] | None = Field(
+    metres_per_count: OneOrEach[Step] | None = Field(
         default=None, description=_STEP.text, examples=_STEP.examples
     )
     noise: OneOrEach[_Noise] | None = Field(
@@ -175,7 +175,7 @@ class SensorTable(Table):
     radius: Metres = Field(description=_RADIUS.text, examples=_RADIUS.examples)
     bits: _Bits | None = Field(default=None, description=_BITS.text, examples=_BITS.examples)
     signed: bool | None = Field(default=None, description=_SIGNED.text, examples=_SIGNED.examples)
-    metres_per_count: _Step | None = Field(
+    metres_per_count: Step | None = Field(
         default=None, description=_STEP.text, examples=_STEP.examples
     )
     noise: _Noise | None = Field(default=None, description=_NOISE.text, examples=_NOISE.examples)

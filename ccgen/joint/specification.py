@@ -218,6 +218,10 @@ class Joint:
     recordings: tuple[RecordingFile, ...] = ()
     loads: LoadRanges | None = None
     """What the joint meets at work; None where the file does not say."""
+    calibration: str | None = None
+    """The calibration file that the joint file names; `sensors` have its gains, zeros and noise."""
+    calibration_content: bytes = field(default=b"", compare=False, repr=False)
+    """What that holds; nothing where none was read."""
 
     @property
     def couples(self) -> bool:

@@ -237,6 +237,12 @@ class JointTable(Table):
     """The whole file."""
 
     name: str = Field(description="a C identifier of at most 20 characters", examples=["shoulder"])
+    calibration: str | None = Field(
+        default=None,
+        min_length=1,
+        description="the path of a calibration file, relative to the joint file",
+        examples=["shoulder.calibration.toml"],
+    )
     geometry: GeometryTable = Field(
         description="a table with segments, length and range_of_motion", examples=["[geometry]"]
     )

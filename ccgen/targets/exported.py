@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ccgen.can.layout import FrameLayout, layout_for
 from ccgen.errors import InputError
 from ccgen.export.manifest import changed_files, read_manifest
+from ccgen.export.package import CALIBRATION_FILE
 from ccgen.fixedpoint import FixedPointModel, load_model
 from ccgen.joint import AXES, Joint
 from ccgen.joint.file import read_joint
@@ -61,7 +62,8 @@ def open_exported(directory: Path) -> Exported:
         InputError: it is none, or a file in it is damaged.
     """
     read_manifest(directory)
-    joint, model = read_joint(directory / "joint.toml"), load_model(directory / "model.json")
+    joint = read_joint(directory / "joint.toml", lambda _: _calibration(directory))
+    model = load_model(directory / "model.json")
     for axis in AXES:
         expected = (joint.geometry.segments, len(joint.sensors[joint.own(axis)]))
         if model.axis(axis).weights.shape != expected or model.precision != joint.precision:
@@ -70,3 +72,11 @@ def open_exported(directory: Path) -> Exported:
                 f"export the joint again"
             )
     return Exported(directory, joint, model, changed=tuple(changed_files(directory)))
+
+
+def _calibration(directory: Path) -> bytes | None:
+    """The folder's copy of the calibration; without it, gains are those that joint.toml states."""
+    try:
+        return (directory / CALIBRATION_FILE).read_bytes()
+    except FileNotFoundError:
+        return None
