@@ -24,8 +24,6 @@ LARGEST_ANGLE = 90.0
 """Degrees; no segment of constant curvature bends further here."""
 
 _RADIANS = 1 / 20  # of the range of motion: angles that stay below are no degrees
-_STILL_ANGLE = 1 / 50  # of the range of motion
-_STILL_POSITION = 1 / 200  # of the length
 _NORM_TOLERANCE = 0.02
 _MOST_OUTSIDE = 0.5
 _LARGEST_SHARE = 1.0
@@ -247,40 +245,3 @@ def check_interval(source: str, key: str, interval: tuple[float, float], t: Floa
             f"{source}: {inside} row{'' if inside == 1 else 's'} within {key} = "
             f"[{interval[0]:g}, {interval[1]:g}]; the recording runs from {t[0]:g} to {t[-1]:g} s"
         )
-
-
-def check_motion(
-    source: str,
-    angles: Sequence[Floats | None],
-    positions: Sequence[Floats],
-    length: float,
-    range_of_motion: float,
-) -> None:
-    """Check that the joint moves.
-
-    Args:
-        source: the file.
-        angles: of both axes, shape (N, m), radians; None without.
-        positions: of bodies, shape (N, 3), metres.
-        length: of the joint, metres.
-        range_of_motion: radians.
-
-    Raises:
-        InputError: angles change by less than a fiftieth of the range of motion, and bodies by
-            less than a two-hundredth of the length.
-    """
-    turned = max((_spread(a) for a in angles if a is not None), default=0.0)
-    moved = max((_spread(p) for p in positions), default=0.0)
-    if turned < _STILL_ANGLE * range_of_motion and moved < _STILL_POSITION * length:
-        raise InputError(
-            f"{source}: the joint does not move in it (by {moved:.2g} m and "
-            f"{np.degrees(turned):.2g} degrees); record it while it bends"
-        )
-
-
-def _spread(values: Floats) -> float:
-    """The widest of the columns' ranges, without one value in fifty at either end."""
-    columns = [c[~np.isnan(c)] for c in values.T]
-    return max(
-        (float(np.subtract(*np.percentile(c, (98, 2)))) for c in columns if len(c)), default=0.0
-    )

@@ -11,6 +11,7 @@ from ccgen.joint.recordings import CAN_LOGS
 from ccgen.kinematics.rotations import from_quaternions
 from ccgen.recordings import checks
 from ccgen.recordings.columns import Columns, Expected, sorted_columns
+from ccgen.recordings.movement import check_motion
 from ccgen.recordings.sensors import RecordedSensors
 from ccgen.recordings.table import Table, read_table
 
@@ -278,7 +279,7 @@ def _check_whole(recording: Recording, extent: Extent) -> None:
         if interval is not None:
             checks.check_interval(recording.source, name, interval, recording.t)
     if recording.dense or recording.bodies:
-        checks.check_motion(
+        check_motion(
             recording.source,
             [recording.u, recording.v],
             [body.position for body in recording.bodies],

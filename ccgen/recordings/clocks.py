@@ -1,0 +1,155 @@
+"""Two clocks laid on each other: by how much sensors lag, and readings at a reference's times.
+
+A delay d says that what the sensors read at time t is the shape of time t - d. It is found where
+readings follow best what the reference lets expect, by least squares of each sensor with a gain and
+a zero of its own: first on a grid, then by Gauss-Newton with the slope of what is expected, so that
+a fraction of a sample shows.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+LARGEST_DELAY = 2.0
+"""Seconds that are searched to either side."""
+
+_GRID_ROWS = 3000
+_MOST_STEPS = 400
+_TURNS = 8
+_FEWEST = 20
+"""Readings of a sensor without which it says nothing of the delay."""
+_OUTLIER = 3.0
+"""Residuals beyond so many standard deviations are left out."""
+_WIDEST_GAP = 5.0
+"""Median steps between readings across which there is no interpolation."""
+_CERTAIN = 2.0
+"""Standard deviations that a delay differs from 0 by, to count on a common clock."""
+
+
+@dataclass(frozen=True)
+class Delay:
+    """By how much sensors lag."""
+
+    seconds: float
+    std: float
+    """0 where it is stated."""
+
+
+def sampled(t: Floats, values: Floats, at: Floats) -> Floats:
+    """Values at other times, linear between rows, shape (len(at), n).
+
+    Args:
+        t: of the rows, shape (N,), seconds, never running back.
+        values: shape (N, n); NaN where there is none.
+        at: times, shape (K,).
+
+    Returns:
+        NaN outside the rows, next to a missing value, and across gaps.
+    """
+    if at is t or np.array_equal(at, t):
+        return values
+    steps = np.diff(t)
+    right = np.clip(np.searchsorted(t, at), 1, len(t) - 1)
+    left = right - 1
+    step = steps[left]
+    share = np.where(step > 0, (at - t[left]) / np.where(step > 0, step, 1.0), 1.0)
+    inside = (at >= t[0]) & (at <= t[-1])
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    inside &= (step <= _WIDEST_GAP * usual) | (share == 0) | (share == 1)
+    low, high = values[left], values[right]
+    mixed = (1 - share)[:, None] * low + share[:, None] * high
+    mixed = np.where((share == 0)[:, None], low, np.where((share == 1)[:, None], high, mixed))
+    return np.asarray(np.where(inside[:, None], mixed, np.nan))
+
+
+def estimated_delay(t: Floats, expected: Floats, read_at: Floats, lengths: Floats) -> Delay | None:
+    """Find by how much the sensors lag.
+
+    Args:
+        t: clock of the reference, shape (N,), seconds.
+        expected: change of each sensor's length by the reference, shape (N, n); NaN where unknown.
+        read_at: clock of the sensors, shape (K,), seconds.
+        lengths: what they read, shape (K, n); NaN where there is none.
+
+    Returns:
+        None where no sensor tells enough.
+    """
+    from ccgen.recordings.learning import independent_rows
+
+    span = min(LARGEST_DELAY, (t[-1] - t[0]) / 8)
+    step = max(_usual_step(t), 2 * span / _MOST_STEPS)
+    if not span > 0 or not step > 0:
+        return None
+    every = max(1, len(read_at) // _GRID_ROWS)
+    grid = np.arange(-np.floor(span / step), np.floor(span / step) + 1) * step
+    slope = np.gradient(expected, np.maximum.accumulate(t + 1e-9 * np.arange(len(t))), axis=0)
+    chosen = slice(None, None, every)
+    misfits = [_misfit(sampled(t, expected, read_at[chosen] - d), lengths[chosen]) for d in grid]
+    if not np.isfinite(misfits).any():
+        return None
+    delay = float(grid[np.nanargmin(misfits)])
+    share = independent_rows(lengths) / len(lengths) if len(lengths) > 1 else 1.0
+    std = np.inf
+    for _ in range(_TURNS):
+        at = read_at - delay
+        known = sampled(t, expected, at), sampled(t, slope, at)
+        change, information = _step(*known, lengths)
+        if not information > 0:
+            return None
+        delay += float(np.clip(change, -step, step))
+        std = float(1 / np.sqrt(information * max(share, 1 / len(lengths))))
+    return Delay(float(np.clip(delay, -span, span)), std)
+
+
+def counts_as_none(delay: Delay) -> bool:
+    """Whether a delay on a common clock is no more than chance."""
+    return abs(delay.seconds) < _CERTAIN * delay.std
+
+
+def _usual_step(t: Floats) -> float:
+    steps = np.diff(t)
+    return float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+
+
+def _misfit(expected: Floats, lengths: Floats) -> float:
+    """Mean over sensors of the logarithm of what a gain and a zero leave of the variance."""
+    total, sensors = 0.0, 0
+    for x, y in zip(expected.T, lengths.T, strict=True):
+        there = ~np.isnan(x) & ~np.isnan(y)
+        if there.sum() < _FEWEST:
+            continue
+        a, b = x[there] - x[there].mean(), y[there] - y[there].mean()
+        both = float(a @ a) * float(b @ b)
+        if both > 0:
+            total += np.log(max(1.0 - float(a @ b) ** 2 / both, 1e-12))
+            sensors += 1
+    return total / sensors if sensors else np.nan
+
+
+def _step(expected: Floats, slope: Floats, lengths: Floats) -> tuple[float, float]:
+    """Change of the delay by Gauss-Newton, and the information about it."""
+    gradient = information = 0.0
+    for x, s, y in zip(expected.T, slope.T, lengths.T, strict=True):
+        there = ~np.isnan(x) & ~np.isnan(y) & ~np.isnan(s)
+        if there.sum() < _FEWEST:
+            continue
+        for _ in range(2):  # without outliers the second time
+            base = np.stack([x[there], np.ones(int(there.sum()))], axis=1)
+            fitted, *_ = np.linalg.lstsq(base, y[there], rcond=None)
+            residual = y - fitted[0] * x - fitted[1]
+            scale = 1.4826 * float(np.median(np.abs(residual[there])))
+            kept = there & (np.abs(np.nan_to_num(residual)) <= _OUTLIER * max(scale, 1e-12))
+            if kept.sum() < _FEWEST:
+                break
+            there = kept
+        base = np.stack([x[there], np.ones(int(there.sum()))], axis=1)
+        late = -fitted[0] * s[there]
+        along, *_ = np.linalg.lstsq(base, late, rcond=None)
+        late = late - base @ along
+        variance = max(float(np.var(residual[there])), 1e-18)
+        gradient += float(late @ residual[there]) / variance
+        information += float(late @ late) / variance
+    return (gradient / information if information > 0 else 0.0), information

@@ -1,0 +1,73 @@
+"""Reference shapes of a recording with what its sensors read: one type for all that follows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.recordings.recording import Recording
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+BLOCKS = 5
+"""Contiguous parts of a recording that are held out one after the other."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """The shapes of a recording of N rows, and its sensors' readings, for m segments, S sections.
+
+    Attributes:
+        name: as errors call it, such as "recording:run1.csv".
+        use: "fit" or "score".
+        t: clock of the reference, shape (N,), seconds; numbers of rows where it has no times.
+        dense: whether segment angles were recorded, rather than bodies.
+        state: most probable u, v, h of each row, shape (N, 2m + S), radians and shares of the
+            length; NaN where not known.
+        covariance: of the states, shape (N, 2m + S, 2m + S); None where dense.
+        second_moment: of the states about zero, shape (2m + S, 2m + S).
+        lengths: of the sensors from count 0 on at nominal gain, laid on the reference's clock,
+            shape (N, n), metres; NaN where missing, stuck, or at the end of their range; None
+            without counts.
+        gain, gain_std: length = gain * (H x) + zero, shape (n,); None without counts.
+        zero, zero_std: of this recording, shape (n,), metres; None without counts.
+        noise: one standard deviation of a length, shape (n,), metres; None without counts.
+        delay_s: by which the sensors lag, seconds; 0 without counts.
+        delay_std_s: of that; 0 where it is stated, infinite where the recording does not tell.
+        notes: what is to be said of the recording, a line each.
+    """
+
+    name: str
+    use: str
+    t: Floats
+    dense: bool
+    state: Floats
+    covariance: Floats | None
+    second_moment: Floats
+    lengths: Floats | None
+    gain: Floats | None
+    gain_std: Floats | None
+    zero: Floats | None
+    zero_std: Floats | None
+    noise: Floats | None
+    delay_s: float
+    delay_std_s: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def block(self) -> NDArray[np.intp]:
+        """Block of each row, 0 to 4, shape (N,): sample i of N is in block 5 i // N."""
+        return blocks(len(self.t))
+
+
+def blocks(rows: int) -> NDArray[np.intp]:
+    """Block of each of N rows, shape (N,)."""
+    return BLOCKS * np.arange(rows) // max(rows, 1)
+
+
+def learned_rows(recording: Recording, without_block: int | None) -> Flags:
+    """From which rows of a recording to fit to something may be learned, shape (N,)."""
+    if without_block is None:
+        return np.ones(recording.rows, dtype=np.bool_)
+    return np.asarray(blocks(recording.rows) != without_block)
