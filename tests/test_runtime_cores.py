@@ -1,17 +1,15 @@
 """The kernels as compiled for each core: the bits of the reference model, instruction budgets."""
 
 import subprocess
-from itertools import product
 
 import numpy as np
 import pytest
 from benchmarks.estimator_instructions import BUDGETS, JOINTS, exported, instructions
-from test_runtime_estimator import CASES, Case, function, functions_of, readings, tables
+from test_runtime_estimator import CASES, RAMPS, Case, function, functions_of, readings, tables
 
 from ccgen import resources
 from ccgen.cost.emulator import CORES, Program
 from ccgen.cost.link import link
-from ccgen.fixedpoint import AxisModel
 from ccgen.targets.compiler import WARNINGS, run_compiler
 from ccgen.targets.cores import core_named, require_tools
 
@@ -65,15 +63,14 @@ def with_shift_at_run_time(case: Case) -> str:
 
 @pytest.mark.parametrize("level", ["-O0", "-Os", "-O2"])
 def test_a_shift_that_is_read_at_run_time_gives_the_same_bits_on_cortex_m0(level, tmp_path):
-    ramps = [ramp(16, sign, shift) for sign in (1, -1) for shift in (0, 7)]
-    some = [*(case for case in CASES if case.model.precision == 16), *ramps]
+    some = [case for case in (*CASES, *RAMPS) if case.model.precision == 16]
     source = tmp_path / "late.c"
     include = '#include "ccgen/estimator16.h"\n'
     source.write_text(include + "".join(map(with_shift_at_run_time, some)) + BUFFERS)
     program = build(source, "cortex-m0", level, tmp_path, [case.name for case in some])
     for case in some[::4] if level == "-O0" else some:
         model = case.model
-        counts = np.arange(-5, 6)[:, None] if case in ramps else readings(model, 20)
+        counts = np.arange(-5, 6)[:, None] if case in RAMPS else readings(model, 20)
         program.write("zero", model.zero.astype("<i2").tobytes())
         program.write("counts", counts.astype("<i2").tobytes())
         arguments = ("zero", "counts", len(counts), "angles")
@@ -94,25 +91,14 @@ def build(source, core, level, folder, names):
     return Program(link(compiler, [source], roots, folder / "kernels.elf"), CORES[core])
 
 
-def ramp(precision: int, sign: int, shift: int) -> Case:
-    """angle = sign * limit + count - zero: reaches every value around a limit."""
-    weights = np.full((8, 1), 1 << shift)
-    bias = np.full(8, sign * (2 ** (precision - 1) - 1) << shift)
-    ends = [np.array([value]) for value in (-50, 50, 0)]
-    model = AxisModel("u", precision, weights, bias, shift, 10, *ends, True, 0, 0.0, 0.0)
-    return Case(f"ramp{precision}_{shift}_{'up' if sign > 0 else 'down'}", model)
-
-
 @pytest.mark.parametrize("core", ["cortex-m0", "cortex-m3", "cortex-m4", "riscv32"])
 def test_saturation_is_exact_step_by_step_around_both_limits(core, tmp_path):
     """The most negative value, which means "no reading", must never come out."""
-    formats = ((16, 0), (16, 7), (32, 0), (32, 1), (32, 20))
-    ramps = [ramp(bits, sign, shift) for (bits, shift), sign in product(formats, (1, -1))]
     source = tmp_path / "ramps.c"
-    source.write_text(functions_of(ramps) + BUFFERS)
-    program = build(source, core, "-O2", tmp_path, [case.name for case in ramps])
+    source.write_text(functions_of(RAMPS) + BUFFERS)
+    program = build(source, core, "-O2", tmp_path, [case.name for case in RAMPS])
     program.write("zero", bytes(4))
-    for case in ramps:
+    for case in RAMPS:
         counts = np.arange(-5, 6)[:, None]
         kind = f"<i{case.model.precision // 8}"
         program.write("counts", counts.astype(kind).tobytes())

@@ -2,7 +2,7 @@
 
 import ctypes
 import subprocess
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import product
 from pathlib import Path
@@ -164,13 +164,19 @@ def functions_of(some: list[Case]) -> str:
     return includes + "".join(tables(case) + function(case) for case in some)
 
 
+def library_of(text: str, compiler: str, flags: tuple[str, ...]) -> ctypes.CDLL:
+    """C source as a library."""
+    with TemporaryDirectory() as folder:
+        source = Path(folder) / "kernels.c"
+        source.write_text(text)
+        return ctypes.CDLL(str(compile_c([source], ("-shared", "-fPIC", *flags), compiler)))
+
+
 @cache
 def kernels(compiler: str, flags: tuple[str, ...]) -> ctypes.CDLL:
     """All cases as one library."""
-    with TemporaryDirectory() as folder:
-        source = Path(folder) / "kernels.c"
-        source.write_text(functions_of(CASES) + shared_functions(16) + shared_functions(32))
-        library = ctypes.CDLL(str(compile_c([source], ("-shared", "-fPIC", *flags), compiler)))
+    text = functions_of(CASES) + shared_functions(16) + shared_functions(32)
+    library = library_of(text, compiler, flags)
     library.find16.restype = library.find32.restype = ctypes.c_void_p
     return library
 
@@ -236,6 +242,59 @@ def test_cases_cover_narrow_and_wide_and_do_saturate():
         angles = case.model.estimate(readings(case.model, 100), case.model.minimum)
         clipped = bool((np.abs(angles) == case.model.angle_limit).any())
         assert clipped == case.model.saturates, case.name
+
+
+def ramp(precision: int, sign: int, shift: int) -> Case:
+    """angle = sign * limit + count - zero: reaches every value around a limit."""
+    weights = np.full((8, 1), 1 << shift)
+    bias = np.full(8, sign * (2 ** (precision - 1) - 1) << shift)
+    ends = [np.array([value]) for value in (-50, 50, 0)]
+    model = AxisModel("u", precision, weights, bias, shift, 10, *ends, True, 0, 0.0, 0.0)
+    return Case(f"ramp{precision}_{shift}_{'up' if sign > 0 else 'down'}", model)
+
+
+RAMPS = [
+    ramp(bits, sign, shift)
+    for (bits, shift), sign in product(((16, 0), (16, 7), (32, 0), (32, 1), (32, 20)), (1, -1))
+]
+"""Both limits in both widths, at several scales."""
+
+
+@pytest.mark.parametrize("halves", [0, 1])
+def test_saturation_is_exact_step_by_step_around_both_limits(halves):
+    """The most negative value, which means "no reading", must never come out."""
+    flags = ("-O1", f"-DCCGEN_HALVES={halves}", *UNDEFINED)
+    library = library_of(functions_of(RAMPS), COMPILERS[0], flags)
+    for case in RAMPS:
+        counts = np.arange(-50, 51)[:, None]
+        result, angles = run(getattr(library, case.name), case.model, case.model.zero, counts)
+        assert result == 0
+        np.testing.assert_array_equal(angles, case.model.estimate(counts), case.name)
+
+
+def wide(sensors: int) -> Case:
+    """Every count of 16 bits but "no reading" is in range."""
+    model = make_model(16, sensors, 32767, False, True, seed=sensors)
+    ends = np.full(sensors, 32767)
+    return Case(f"wide{sensors}", replace(model, minimum=-ends, maximum=ends))
+
+
+@pytest.mark.parametrize("halves", [0, 1])
+def test_a_difference_of_one_sensor_is_exact_on_both_sides_of_16_bits(halves):
+    some = [wide(sensors) for sensors in range(1, 9)]
+    flags = ("-O1", f"-DCCGEN_HALVES={halves}", *UNDEFINED)
+    library = library_of(functions_of(some), COMPILERS[0], flags)
+    for case, sensor in product(some, range(8)):
+        if sensor >= case.model.sensors:
+            continue
+        zero = np.arange(case.model.sensors)
+        for difference in (-32769, -32768, -32767, 32766, 32767, 32768):
+            zero[sensor] = -30_000 if difference > 0 else 30_000
+            counts = zero + 3
+            counts[sensor] = zero[sensor] + difference
+            result, angles = run(getattr(library, case.name), case.model, zero, counts)
+            assert result == 0
+            np.testing.assert_array_equal(angles, case.model.estimate(counts[None], zero))
 
 
 def test_counts_out_of_range_are_missing_and_nothing_is_written():

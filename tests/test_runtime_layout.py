@@ -1,9 +1,89 @@
-"""Signals of every number of bytes, the impossible ones too (undefined behaviour ends the run)."""
+"""Frames and signals as a layout places them, the impossible ones too.
+
+Undefined behaviour ends the run.
+"""
 
 import ctypes
 
 import pytest
-from runtime_c import load
+from runtime_c import Frame, Layout, frame, load
+from test_runtime_snapshot import CLASSIC, FD
+
+LENGTHS, ANGLES, TIP, STATUS, FOREIGN = range(5)
+LAYOUTS = {"classic": CLASSIC, "fd": FD}
+KINDS = {
+    "classic": [LENGTHS] * 3 + [ANGLES] * 8 + [TIP, STATUS],
+    "fd": [LENGTHS] * 2 + [ANGLES] * 7 + [TIP, STATUS],
+}
+"""Of 7 counts and 24 angles of 2 bytes, 3 a frame; of 16 and 96 of 4 bytes, 15 a frame."""
+
+
+def kind_of(layout: Layout, id_: int, extended: bool) -> tuple[int, int]:
+    """What a frame is, and which of its kind; 99 where the slot is not written."""
+    slot = ctypes.c_uint16(99)
+    sent = ctypes.byref(frame(id_, b"", extended=extended))
+    kind = load().ccgen_layout_kind(ctypes.byref(layout), sent, ctypes.byref(slot))
+    assert load().ccgen_layout_kind(ctypes.byref(layout), sent, None) == kind
+    return kind, slot.value
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_the_identifiers_from_lengths_to_status_are_the_joints_and_their_neighbours_foreign(name):
+    layout, kinds = LAYOUTS[name], KINDS[name]
+    for index, kind in enumerate(kinds):
+        found = kind_of(layout, layout.base_id + index, layout.extended)
+        assert found == (kind, index - kinds.index(kind))
+    for foreign in (-2, -1, len(kinds), len(kinds) + 1, 1000):
+        assert kind_of(layout, layout.base_id + foreign, layout.extended) == (FOREIGN, 99)
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_an_identifier_of_the_other_length_is_foreign_whatever_its_number(name):
+    layout = LAYOUTS[name]
+    for index in range(len(KINDS[name])):
+        assert kind_of(layout, layout.base_id + index, not layout.extended) == (FOREIGN, 99)
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_a_frame_begins_anew_whatever_it_held(name):
+    layout = LAYOUTS[name]
+    begun = Frame.from_buffer_copy(b"\1" * ctypes.sizeof(Frame))
+    load().ccgen_layout_begin(ctypes.byref(layout), ctypes.c_uint16(5), ctypes.byref(begun))
+    assert begun.id == layout.base_id + 5
+    assert (begun.extended, begun.fd) == (layout.extended, layout.fd)
+    assert (begun.remote, begun.rate_switch) == (False, False)
+    assert begun.payload() == bytes(64 if layout.fd else 8)
+
+
+@pytest.mark.parametrize(
+    ("name", "ends"),
+    [
+        ("sensors_u", (1, 8)), ("sensors_v", (1, 8)), ("segments", (1, 64)),
+        ("count_bytes", (2, 4)), ("angle_bytes", (2, 2)), ("angle_bytes", (4, 4)),
+        ("cycle_us", (500, 300_000_000)), ("window_us", (1, 1_000_000)),
+        ("base_id", (0, 0x7FF - 12)),
+    ],
+)  # fmt: skip
+def test_a_field_is_valid_up_to_both_its_ends_and_no_further(name, ends):
+    """The cycle's shorter end is that whose widest window is still the layout's own."""
+    layout = Layout.from_buffer_copy(CLASSIC)
+    layout.cycle_us, layout.window_us = 10_000, 50_000
+
+    def valid(value: int) -> bool:
+        setattr(layout, name, value)
+        return bool(load().ccgen_layout_valid(ctypes.byref(layout)))
+
+    assert all(map(valid, ends))
+    assert not any(map(valid, (ends[0] - 1, ends[1] + 1)))
+
+
+@pytest.mark.parametrize(("extended", "last"), [(False, 0x7FF), (True, 0x1FFFFFFF)])
+def test_the_status_frame_may_have_the_last_identifier_that_there_is(extended, last):
+    layout = Layout.from_buffer_copy(CLASSIC)
+    layout.extended = extended
+    for base, fits in ((last - 12, True), (last - 11, False), (last, False), (last + 1, False)):
+        layout.base_id = base
+        assert bool(load().ccgen_layout_valid(ctypes.byref(layout))) == fits
 
 
 def read_signed(data: bytes, width: int) -> int:

@@ -177,6 +177,21 @@ def test_a_missing_sensor_gives_no_angles_and_the_status_says_which():
 
 
 @pytest.mark.parametrize(
+    ("counts", "missing"),
+    [
+        ((100, -32768, 300, 4000, -5000, 6000), 0b10),
+        ((100, -200, 300, 4000, -5000, -32768), 0b100 << 8),
+    ],
+    ids=["u", "v"],
+)
+def test_a_sensor_missing_on_one_axis_alone_is_a_fault_too(counts, missing):
+    node = Node()
+    assert node.send(0, counts, 0) == -2
+    status = node.status(0)
+    assert (status.missing, status.faults) == (missing, MISSING)
+
+
+@pytest.mark.parametrize(
     ("mishap", "fault"),
     [
         (lambda good: frame(BASE, good[:2] + b"\x7f" + good[3:]), CRC),
@@ -440,7 +455,9 @@ def test_batch_jacobians_are_laid_out_row_by_row():
     [
         (0.0, 16, 0), (1.0, 10, 1024), (-1.0, 10, -1024), (0.5, 0, 1), (-0.5, 0, -1),
         (0.49999997, 0, 0), (1.5, 0, 2), (2.4999, 0, 2), (32766.5, 0, 32767), (1e9, 0, 32767),
-        (-1e9, 0, -32767), (-32767.4, 0, -32767), (math.inf, 0, 32767), (-math.inf, 3, -32767),
+        (-1e9, 0, -32767), (-32767.4, 0, -32767), (-32767.5, 0, -32767), (-32767.9, 0, -32767),
+        (-32768.0, 0, -32767), (-32766.5, 0, -32767), (-32766.4, 0, -32766),
+        (math.inf, 0, 32767), (-math.inf, 3, -32767),
         (math.nan, 4, -32768), (0.1, 31, -32768),
     ],
 )  # fmt: skip

@@ -22,7 +22,7 @@ const ccgen_axis16_t *probe_axis(const int v) {
 
 size_t probe_size(const int which) {
     const size_t sizes[] = {sizeof(ccgen_frame_t), sizeof(ccgen_layout_t), sizeof(ccgen_axis16_t),
-                            sizeof(ccgen_snapshot_t), sizeof(ccgen_slcan_t)};
+                            sizeof(ccgen_snapshot_t), sizeof(ccgen_slcan_t), sizeof(ccgen_node_t)};
     return sizes[which];
 }
 

@@ -1,0 +1,89 @@
+"""The node's own functions, called with layouts and values that no exported joint hands them."""
+
+import ctypes
+
+import pytest
+from runtime_c import NO_READING, Frame, Layout, load
+from test_runtime_snapshot import CLASSIC, frames_of
+
+ARGUMENT = -1
+
+
+class Bare:
+    """A node's state without a joint around it."""
+
+    def __init__(self, layout: Layout = CLASSIC) -> None:
+        self.c, self.layout = load(), layout
+        self.state = ctypes.create_string_buffer(self.c.probe_size(5))
+        assert self.c.ccgen_node_init(ctypes.byref(layout), self.state) == 0
+
+    def receive(self, counts: list[int]) -> None:
+        """A whole snapshot."""
+        layout = ctypes.byref(self.layout)
+        results = [
+            self.c.ccgen_node_receive(layout, self.state, ctypes.byref(sent), 0)
+            for sent in frames_of(self.layout, 0, counts)
+        ]
+        assert results[-1] == 1
+
+    def counts(self, precision: int) -> list[int]:
+        kind = ctypes.c_int16 if precision == 16 else ctypes.c_int32
+        u, v = (kind * self.layout.sensors_u)(), (kind * self.layout.sensors_v)()
+        function = getattr(self.c, f"ccgen_node_counts{precision}")
+        assert function(ctypes.byref(self.layout), self.state, u, v) == 0
+        return [*u, *v]
+
+    def publish(self, result: int, missing: int, tip: object) -> int:
+        layout = ctypes.byref(self.layout)
+        return self.c.ccgen_node_publish(layout, self.state, result, ctypes.c_int32(missing), tip)
+
+
+@pytest.mark.parametrize("width", [3, 4])
+def test_a_count_of_the_bus_that_16_bits_do_not_hold_is_no_reading(width):
+    layout = Layout.from_buffer_copy(CLASSIC)
+    layout.count_bytes = width
+    node = Bare(layout)
+    node.receive([32767, 32768, -32767, -32768, -32769, 2**23 - 1, -(2 ** (8 * width - 1))])
+    assert node.counts(16) == [32767, -32768, -32767, -32768, -32768, -32768, -32768]
+    assert node.counts(32) == [32767, 32768, -32767, -32768, -32769, 2**23 - 1, NO_READING]
+
+
+@pytest.mark.parametrize(("missing", "taken"), [(-1, False), (0xFFFF, True), (0x10000, False)])
+def test_a_mask_of_missing_sensors_has_sixteen_bits(missing, taken):
+    node, tip = Bare(), (ctypes.c_int16 * 3)()
+    before = node.state.raw
+    assert node.publish(0, missing, tip) == (1 if taken else ARGUMENT)
+    assert (node.state.raw != before) == taken
+
+
+def test_an_estimate_needs_a_tip_and_a_failure_does_not():
+    node = Bare()
+    before = node.state.raw
+    assert node.publish(0, 0, None) == ARGUMENT
+    assert node.publish(5, 0, None) == ARGUMENT
+    assert node.state.raw == before
+    assert node.publish(-2, 1, None) == -2
+    assert node.publish(5, 0, (ctypes.c_int16 * 3)()) == 1
+
+
+def test_null_pointers_are_refused():
+    node, layout, some = Bare(), ctypes.byref(CLASSIC), (ctypes.c_int32 * 64)()
+    c, state, sent = node.c, node.state, ctypes.byref(Frame())
+    before = state.raw
+    assert c.ccgen_node_init(None, state) == ARGUMENT
+    assert c.ccgen_node_init(layout, None) == ARGUMENT
+    for arguments in ((None, state, sent), (layout, None, sent), (layout, state, None)):
+        assert c.ccgen_node_receive(*arguments, 0) == ARGUMENT
+    for precision in (16, 32):
+        counts = getattr(c, f"ccgen_node_counts{precision}")
+        transmit = getattr(c, f"ccgen_node_transmit{precision}")
+        for absent in range(4):
+            arguments = [layout, state, some, some]
+            arguments[absent] = None
+            assert counts(*arguments) == ARGUMENT
+            assert transmit(*arguments, 0, sent) == ARGUMENT
+        assert transmit(layout, state, some, some, 0, None) == ARGUMENT
+    assert c.ccgen_node_publish(None, state, -2, 0, some) == ARGUMENT
+    assert c.ccgen_node_publish(layout, None, -2, 0, some) == ARGUMENT
+    assert c.ccgen_node_unsent(None) == ARGUMENT
+    assert (state.raw, any(some)) == (before, False)
