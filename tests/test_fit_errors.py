@@ -12,7 +12,7 @@ from ccgen.estimation import score_percent_rom, score_with_noise_percent_rom
 from ccgen.estimation.axes import estimated
 from ccgen.estimation.errors import deviations, errors_of, missed, tips
 from ccgen.estimation.fallback import fallback
-from ccgen.estimation.sources import ideal_readings
+from ccgen.estimation.sources import Source, ideal_readings
 from ccgen.fixedpoint import fit
 from ccgen.joint.file import parse_joint
 from ccgen.kinematics import tip_pose
@@ -97,7 +97,7 @@ def test_rounding_is_part_of_errors_with_noise_alone():
     )
     assert set(coarse.rounding) == {"u", "v"}
     shapes = coarse.stated.shapes
-    with_it = errors_of("", coarse.missed(shapes, True), True, False)
+    with_it = errors_of("", coarse.missed(Source("drawn", shapes, 0.0), True), True, False)
     bare = errors_of("", missed(coarse.joint, coarse.weights, shapes, True), True, False)
     expected = np.hypot(bare.rms_deg["u"], np.degrees(coarse.rounding["u"]))
     assert with_it.rms_deg["u"] == pytest.approx(expected)

@@ -7,8 +7,6 @@ import pytest
 from joint_files import joint_text
 from scipy.optimize import least_squares
 
-import ccgen
-from ccgen.errors import InputError
 from ccgen.estimation.fit import Task, fit_joint, fit_task, weights_of
 from ccgen.estimation.soft_l1 import minimise
 from ccgen.estimation.sources import (
@@ -184,11 +182,3 @@ def test_the_last_sensor_of_an_axis_leaves_nothing():
     joint = paper(count=1)
     lost = weights_of(Task(joint, simulated_sources(joint)), "u", "wam", 0)
     assert not lost.matrix.any()
-
-
-def test_recordings_are_not_left_out_of_a_fit_in_silence(tmp_path):
-    (tmp_path / "run.csv").write_text("t,u0\n" + "".join(f"{i},{i % 7}\n" for i in range(60)))
-    text = joint_text() + '\n[[recordings]]\nfile = "run.csv"\n'
-    joint = ccgen.parse(text, folder=tmp_path)
-    with pytest.raises(InputError, match="recordings: are read and checked, but"):
-        ccgen.fit(joint)

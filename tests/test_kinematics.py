@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from ccgen.kinematics import tip_position, tip_slopes
 from ccgen.kinematics import uvh as kin
 
 H = 0.02
@@ -40,7 +41,7 @@ def exact_series(first: int, phi: float) -> float:
 @pytest.mark.parametrize("phi", [0.0, 1e-8, 1e-3, 0.1, 0.5, 0.9999, 1.0, 1.0001, 1.5, 3.0])
 def test_coefficients_agree_with_exact_series_to_the_last_bits(phi: float) -> None:
     u, v = np.array(phi), np.array(0.0)
-    computed = (*kin._sinc(u, v), *kin._remainders(u, v))
+    computed = (*kin.sinc(u, v), *kin.remainders(u, v))
     for first, value in enumerate(computed, start=1):
         assert abs(value - exact_series(first, phi)) <= 1.2e-16
 
@@ -150,3 +151,24 @@ def test_jacobian_is_the_derivative_of_the_tip_pose(largest: float) -> None:
         np.testing.assert_allclose(
             jacobian[i], differenced_jacobian(u[i], v[i]), rtol=0, atol=3e-12
         )
+
+
+def test_the_tip_carried_alone_is_that_of_the_chain() -> None:
+    random = np.random.default_rng(5)
+    u, v = 0.4 * random.standard_normal((2, 40, 9))
+    u[0], v[0] = 0.0, 0.0
+    h = random.uniform(0.01, 0.03, (40, 9))
+    at = tip_position(u, v, h)
+    np.testing.assert_allclose(at, kin.tip_pose(u, v, h)[:, :3, 3], atol=1e-15)
+    slopes = tip_slopes(u, v, h)
+    jacobian = kin.tip_jacobian(u, v, 0.02)[:, :3]
+    alike = tip_slopes(u, v, 0.02)
+    np.testing.assert_allclose(np.concatenate([alike.u, alike.v], axis=2), jacobian, atol=1e-14)
+    step = 1e-6 * np.eye(9)
+    for own, ahead in (
+        (slopes.u, lambda i: tip_position(u + step[i], v, h)),
+        (slopes.v, lambda i: tip_position(u, v + step[i], h)),
+        (slopes.h, lambda i: tip_position(u, v, h + step[i])),
+    ):
+        for i in (0, 4, 8):
+            np.testing.assert_allclose(own[..., i], (ahead(i) - at) / 1e-6, atol=1e-6)

@@ -1,18 +1,21 @@
 """What to tell a user whose weights are not what they seem, in plain words."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from ccgen.errors import InputError
-from ccgen.estimation.errors import ErrorRow, Missed, errors_of
-from ccgen.estimation.fit import weights_of
+from ccgen.errors import InputError, ReachError
+from ccgen.estimation.errors import ErrorRow, Missed, Pooled, errors_of
+from ccgen.estimation.fit import fit_task
 from ccgen.estimation.fitted import FittedWeights
+from ccgen.estimation.held_out import Choice
 from ccgen.estimation.score import elongation_warning
-from ccgen.estimation.sources import CASES, OTHER
+from ccgen.estimation.sources import CASES, OTHER, Source
 from ccgen.estimation.weights import Floats
 from ccgen.joint import METHODS
 from ccgen.sensing.readings import normalised_response
+from ccgen.shapes import fit_shapes
 
 _FAR = 3.0
 """Times the error on what was fitted to, from which on other loads are told of."""
@@ -29,14 +32,18 @@ def advice(fit: FittedWeights) -> Iterator[str]:
     yield from fit.notes
     yield from _other_loads(fit)
     yield from _no_better_than_nothing(fit)
-    yield from _better_method(fit)
+    yield from _better_weights(fit)
     yield from _spare_sensors(fit)
     yield from _elongation(fit)
+    if fit.found is not None:
+        for reference in fit.found.references:
+            yield from reference.notes
 
 
 def _other_loads(fit: FittedWeights) -> Iterator[str]:
     """Say how far the weights may be off on shapes that nobody has stated."""
-    own = {row.source: row for row in fit.errors if not row.noise}
+    # Of real counts there is a row with noise alone.
+    own = {row.source: row for row in sorted(fit.errors, key=lambda row: not row.noise)}
     fitted = [source.name for source in fit.task.sources if source.weight > 0]
     near = max(_worst(own[name]) for name in fitted if name in own)
     far = _worst(own[OTHER])
@@ -60,51 +67,68 @@ def _worst(row: ErrorRow) -> float:
 
 
 def _no_better_than_nothing(fit: FittedWeights) -> Iterator[str]:
-    source = fit.stated
-    shapes = source.shapes
-    found = fit.missed(shapes, True)
+    found, name = fit.judged(), fit.stated.name
     for axis in fit.weights:
-        error, size = _size(found, axis), _rms(found.state[:, fit.joint.rows(axis)])
+        error, size = _size(found, axis), _rms(found.truth(axis))
         if size > 0 and error >= size:
             yield (
-                f"axis {axis}: on {source.name} the estimate errs by {_said(error, axis)}, but "
+                f"axis {axis}: on {name} the estimate errs by {_said(error, axis)}, but "
                 f"answering zero errs by {_said(size, axis)} only; choose other sensors or shapes"
             )
 
 
-def _better_method(fit: FittedWeights) -> Iterator[str]:
-    """Say which other method does better on what the joint states."""
-    found = {}
-    for method in METHODS:
-        if method != fit.method:
-            try:
-                found[method] = {a: weights_of(fit.quick, a, method) for a in fit.joint.axes}
-            except InputError:
-                continue
-    shapes = fit.stated.shapes
-    own = fit.missed(shapes, True)
-    others = {method: fit.missed(shapes, True, weights) for method, weights in found.items()}
+def _better_weights(fit: FittedWeights) -> Iterator[str]:
+    """Say which other weights do better on what the joint states."""
+    own = fit.judged()
+    others = {remedy: _judged(fit, choice) for remedy, choice in _others(fit).items()}
     for axis in fit.weights:
-        errors = {method: _size(other, axis) for method, other in others.items()}
+        errors = {remedy: _size(one, axis) for remedy, one in others.items() if one is not None}
         if not errors:
             return
-        best, chosen = min(errors, key=lambda method: errors[method]), _size(own, axis)
+        best, chosen = min(errors, key=lambda remedy: errors[remedy]), _size(own, axis)
         if chosen > _WORSE * errors[best]:
+            weights, remedy = best
             yield (
                 f'axis {axis}: on {fit.stated.name} method "{fit.method}" errs by '
-                f'{_said(chosen, axis)}, "{best}" by {_said(errors[best], axis)}; '
-                f'write method = "{best}" in [estimator]'
+                f"{_said(chosen, axis)}, {weights} by {_said(errors[best], axis)}; {remedy}"
             )
+
+
+def _others(fit: FittedWeights) -> dict[tuple[str, str], Choice]:
+    """Weights that are at hand beside those chosen: what they are, and how to choose them."""
+    found: dict[tuple[str, str], Choice] = {
+        (f'"{method}"', f'write method = "{method}" in [estimator]'): _by(method)
+        for method in METHODS
+        if method != fit.method
+    }
+    if fit.joint.shapes.cases and {one.name for one in fit.task.sources} != {CASES}:
+        cases = Source(CASES, fit_shapes(fit.joint), 1.0)
+        found["the same fitted to the load cases", "give cases a weight in [shapes]"] = (
+            lambda block: fit_task(replace(block.quick, sources=[cases]), fit.method)
+        )
+    return found
+
+
+def _by(method: str) -> Choice:
+    return lambda block: fit_task(block.quick, method)
+
+
+def _judged(fit: FittedWeights, choice: Choice) -> Missed | Pooled | None:
+    """Errors of other weights; None where the joint does not allow them."""
+    try:
+        return fit.judged(choice)
+    except (InputError, ReachError):
+        return None
 
 
 def _spare_sensors(fit: FittedWeights) -> Iterator[str]:
     """Say where a sensor may be left out at no cost, so that more of them would not help."""
-    own = errors_of("", fit.missed(fit.stated.shapes, True), True, False)
+    own = errors_of("", fit.judged(), True, False)
     for axis in own.rms_deg:
         lost = {row.sensor: row.rms_deg[axis] for row in fit.without}
-        seen = normalised_response(fit.joint)[:, fit.joint.rows(axis)]
+        seen = normalised_response(fit.sensed)[:, fit.sensed.rows(axis)]
         read = [
-            sensor.name for sensor, row in zip(fit.joint.sensors, seen, strict=True) if row.any()
+            sensor.name for sensor, row in zip(fit.sensed.sensors, seen, strict=True) if row.any()
         ]
         known = {name: rms for name in read if (rms := lost[name]) is not None}
         if len(known) < 2 or not own.rms_deg[axis]:
@@ -120,18 +144,18 @@ def _spare_sensors(fit: FittedWeights) -> Iterator[str]:
 
 def _elongation(fit: FittedWeights) -> Iterator[str]:
     """Say how elongation that is stated bends an estimate that does not know it."""
-    bent = elongation_warning(fit.joint, fit.weights)
-    if bent is not None and fit.joint.geometry.elongation is not None:
+    bent = elongation_warning(fit.sensed, fit.weights)
+    if bent is not None and fit.sensed.geometry.elongation is not None:
         yield bent
 
 
-def _size(found: Missed, axis: str) -> float:
-    known, spread = found.known(axis), found.spread(axis)
-    return float(np.sqrt(np.mean(np.square(known) + np.square(spread))))
+def _size(found: Missed | Pooled, axis: str) -> float:
+    squares = np.square(found.known(axis)) + np.square(found.spread(axis))
+    return float(np.sqrt(np.nanmean(squares)))
 
 
 def _rms(values: Floats) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
+    return float(np.sqrt(np.nanmean(np.square(values))))
 
 
 def _said(value: float, axis: str) -> str:

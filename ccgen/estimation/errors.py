@@ -3,11 +3,14 @@
 With readings y = H x + e of rows x, an estimate errs by (W H - I) x, which is known, and by W e,
 whose covariance is: e has the stated noise, the step of the counts, and a share of the length
 change itself where gains are known to a tolerance. Means of absolute errors and of squares follow
-without sampling; the tip follows from shapes that are off by one standard deviation of one sensor
-at a time, to first order in the noise.
+without sampling; the tip follows from its derivatives, to first order in the noise.
+
+Real readings bring their noise along. Where the true shape is known to a covariance only, as from
+markers, that adds to the spread: an error's mean square is that about the most probable shape, and
+the variance of the truth about it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -17,7 +20,7 @@ import numpy as np
 from ccgen.estimation.axes import estimated
 from ccgen.estimation.folded import folded_mean
 from ccgen.estimation.weights import Floats, Weights
-from ccgen.kinematics import tip_pose
+from ccgen.kinematics import tip_position, tip_slopes
 from ccgen.sensing.noise import length_variance
 from ccgen.sensing.readings import length_changes, normaliser
 
@@ -74,9 +77,10 @@ class Missed:
         joint: the joint.
         weights: of its output axes.
         state: true states, shape (N, 2m + S).
-        estimate: of readings without noise, or of real ones, same shape.
+        estimate: of readings without noise, or of real ones, same shape; NaN where there is none.
         deviation: of each normalised reading, shape (N, n); zeros leave the noise out.
         rounding: root mean square of what fixed point adds to a value of an axis.
+        covariance: of the true states, shape (N, 2m + S, 2m + S); None where they are known.
     """
 
     joint: "Joint"
@@ -85,16 +89,23 @@ class Missed:
     estimate: Floats
     deviation: Floats
     rounding: Mapping[str, float]
+    covariance: Floats | None = None
+
+    def truth(self, axis: str) -> Floats:
+        """True values of an axis, shape (N, m or S)."""
+        return self.state[:, self.joint.rows(axis)]
 
     def known(self, axis: str) -> Floats:
         """Estimate minus truth of an axis without noise, shape (N, m or S)."""
-        own = self.joint.rows(axis)
-        return np.asarray(self.estimate[:, own] - self.state[:, own])
+        return np.asarray(self.estimate[:, self.joint.rows(axis)] - self.truth(axis))
 
     def spread(self, axis: str) -> Floats:
         """Standard deviation that noise adds, shape (N, m or S)."""
         own = self.weights[axis]
         variance: Floats = self._squares[:, self.joint.own(axis)] @ np.square(own.matrix).T
+        if self.covariance is not None:
+            own_variance = np.diagonal(self.covariance, axis1=1, axis2=2)
+            variance = variance + own_variance[:, self.joint.rows(axis)]
         return np.asarray(np.sqrt(variance + self.rounding.get(axis, 0.0) ** 2))
 
     def total_spread(self, axis: str) -> Floats:
@@ -102,6 +113,9 @@ class Missed:
         own = self.weights[axis]
         row = np.square(own.matrix.sum(axis=0))
         variance: Floats = self._squares[:, self.joint.own(axis)] @ row
+        if self.covariance is not None:
+            part = self.joint.rows(axis)
+            variance = variance + self.covariance[:, part, part].sum(axis=(1, 2))
         return np.asarray(np.sqrt(variance + own.segments * self.rounding.get(axis, 0.0) ** 2))
 
     @cached_property
@@ -110,32 +124,79 @@ class Missed:
         at = tips(self.joint, self.estimate)
         known = np.linalg.norm(at - tips(self.joint, self.state), axis=-1)
         variance = np.zeros(len(self.state))
-        for j in np.flatnonzero(self.deviation.any(axis=0)).tolist():
-            step: Floats = self.deviation[:, [j]] * self._per_reading(j)
-            moved = tips(self.joint, self.estimate + step)
-            variance += np.square(moved - at).sum(axis=-1)
+        if self.deviation.any():
+            per_reading = tip_changes(self.joint, self.estimate) @ self._gain
+            variance += np.einsum("ncj,nj->n", np.square(per_reading), self._squares)
+        if self.covariance is not None:
+            slope = tip_changes(self.joint, self.state)
+            variance += np.einsum("nca,nab,ncb->n", slope, self.covariance, slope, optimize=True)
         return known, np.sqrt(variance)
 
     @cached_property
     def _squares(self) -> Floats:
         return np.square(self.deviation)
 
-    def _per_reading(self, sensor: int) -> Floats:
-        """Change of the estimate for a unit of one normalised reading, shape (2m + S,)."""
-        one = np.zeros(len(self.joint.sensors))
-        one[sensor] = 1.0
-        zero = np.zeros_like(one)
-        change: Floats = estimated(self.joint, self.weights, one)
-        return change - estimated(self.joint, self.weights, zero)
+    @property
+    def _gain(self) -> Floats:
+        """Change of the estimate by every normalised reading, shape (2m + S, n)."""
+        count = len(self.joint.sensors)
+        straight = estimated(self.joint, self.weights, np.zeros(count))
+        return np.asarray((estimated(self.joint, self.weights, np.eye(count)) - straight).T)
+
+
+@dataclass(frozen=True, eq=False)
+class Pooled:
+    """Errors of several weights, each on rows of its own, such as blocks that were held out."""
+
+    parts: Sequence[Missed]
+
+    @property
+    def joint(self) -> "Joint":
+        """The joint."""
+        return self.parts[0].joint
+
+    def truth(self, axis: str) -> Floats:
+        """As of `Missed`, all rows."""
+        return np.concatenate([part.truth(axis) for part in self.parts])
+
+    def known(self, axis: str) -> Floats:
+        """As of `Missed`, all rows."""
+        return np.concatenate([part.known(axis) for part in self.parts])
+
+    def spread(self, axis: str) -> Floats:
+        """As of `Missed`, all rows."""
+        return np.concatenate([part.spread(axis) for part in self.parts])
+
+    def total_spread(self, axis: str) -> Floats:
+        """As of `Missed`, all rows."""
+        return np.concatenate([part.total_spread(axis) for part in self.parts])
+
+    @property
+    def tip(self) -> tuple[Floats, Floats]:
+        """As of `Missed`, all rows."""
+        known, spread = zip(*(part.tip for part in self.parts), strict=True)
+        return np.concatenate(known), np.concatenate(spread)
 
 
 def tips(joint: "Joint", state: Floats) -> Floats:
     """Places of the tip, shape (..., 3), metres, for states of shape (..., 2m + S)."""
+    return tip_position(*_bends_and_lengths(joint, state))
+
+
+def tip_changes(joint: "Joint", state: Floats) -> Floats:
+    """Derivatives of the tip's place by the state, shape (N, 3, 2m + S)."""
+    geometry = joint.geometry
+    slopes = tip_slopes(*_bends_and_lengths(joint, state))
+    firsts = np.cumsum([0, *geometry.sections[:-1]])
+    stretch = geometry.segment_length * np.add.reduceat(slopes.h, firsts, axis=-1)
+    return np.concatenate([slopes.u, slopes.v, stretch], axis=-1)
+
+
+def _bends_and_lengths(joint: "Joint", state: Floats) -> tuple[Floats, Floats, Floats]:
     geometry = joint.geometry
     m = geometry.segments
     stretch = np.repeat(state[..., 2 * m :], geometry.sections, axis=-1)
-    pose = tip_pose(state[..., :m], state[..., m : 2 * m], geometry.segment_length * (1 + stretch))
-    return np.asarray(pose[..., :3, 3])
+    return state[..., :m], state[..., m : 2 * m], geometry.segment_length * (1 + stretch)
 
 
 def deviations(joint: "Joint", state: Floats, noise: Floats | None = None) -> Floats:
@@ -160,8 +221,9 @@ def missed(
     noise: bool,
     lengths_noise: Floats | None = None,
     rounding: Mapping[str, float] | None = None,
+    readings: Floats | None = None,
 ) -> Missed:
-    """Errors of weights on simulated shapes.
+    """Errors of weights on shapes, simulated or with readings of their own.
 
     Args:
         joint: the joint.
@@ -170,44 +232,58 @@ def missed(
         noise: whether readings have noise, counts steps, gains tolerances and angles rounding.
         lengths_noise: as for `deviations`.
         rounding: root mean square of what fixed point adds to a value of an axis.
+        readings: normalised, noise and all, shape (N, n); without them those of ideal sensors.
     """
     state = shapes.state
     ideal = length_changes(joint, state) / normaliser(joint)
-    estimate = estimated(joint, weights, ideal)
-    deviation = deviations(joint, state, lengths_noise) if noise else np.zeros_like(ideal)
+    estimate = estimated(joint, weights, ideal if readings is None else readings)
+    simulated = noise and readings is None
+    deviation = deviations(joint, state, lengths_noise) if simulated else np.zeros_like(ideal)
     return Missed(joint, weights, state, estimate, deviation, (rounding or {}) if noise else {})
 
 
-def errors_of(source: str, found: Missed, noise: bool, held_out: bool) -> ErrorRow:
-    """The figures of errors.
+def errors_of(
+    source: str,
+    found: Missed | Pooled,
+    noise: bool,
+    held_out: bool,
+    stations: Mapping[str, StationErrors] | None = None,
+) -> ErrorRow:
+    """The figures of errors; rows without an estimate do not count.
 
     Args:
         source: its name.
         found: the errors.
         noise: whether noise is part of them.
         held_out: whether the weights do not know the rows.
+        stations: errors at bodies and markers.
     """
     joint = found.joint
     bending = [axis for axis in joint.axes if axis != "h"]
     rom = joint.geometry.range_of_motion
-    known = {axis: found.known(axis) for axis in joint.axes}
-    spread = {axis: found.spread(axis) for axis in joint.axes}
-    tip, tip_spread = found.tip
+    errors = {axis: _known(found.known(axis), found.spread(axis)) for axis in joint.axes}
+    totals = {
+        axis: _known(found.known(axis).sum(axis=1), found.total_spread(axis)) for axis in bending
+    }
+    tip, tip_spread = _known(*found.tip)
     return ErrorRow(
         source=source,
         held_out=held_out,
         noise=noise,
-        mean_percent_rom={
-            a: float(100.0 * folded_mean(known[a], spread[a]).mean() / rom) for a in bending
-        },
-        rms_deg={a: float(np.degrees(_rms(known[a], spread[a]))) for a in bending},
-        total_bend_rms_deg={
-            a: float(np.degrees(_rms(known[a].sum(axis=1), found.total_spread(a)))) for a in bending
-        },
+        mean_percent_rom={a: float(100.0 * folded_mean(*errors[a]).mean() / rom) for a in bending},
+        rms_deg={a: float(np.degrees(_rms(*errors[a]))) for a in bending},
+        total_bend_rms_deg={a: float(np.degrees(_rms(*totals[a]))) for a in bending},
         tip_rms_m=_rms(tip, tip_spread),
         tip_max_m=float(np.max(tip + WORST * tip_spread)),
-        elongation_rms_percent=100.0 * _rms(known["h"], spread["h"]) if "h" in known else None,
+        elongation_rms_percent=100.0 * _rms(*errors["h"]) if "h" in errors else None,
+        stations=stations,
     )
+
+
+def _known(error: Floats, spread: Floats) -> tuple[Floats, Floats]:
+    """Errors and their spread where there is an estimate."""
+    missing = np.isnan(error)
+    return (error[~missing], spread[~missing]) if missing.any() else (error, spread)
 
 
 def _rms(known: Floats, spread: Floats) -> float:

@@ -103,21 +103,30 @@ class Task:
         return weighed_rows(self.joint, self.sources)
 
     @cached_property
+    def moments(self) -> Rows:
+        """Rows of the shapes' second moments, with readings without noise."""
+        if all(source.readings is None and source.moment is None for source in self.sources):
+            return self.rows
+        return weighed_rows(self.joint, [source.spread for source in self.sources])
+
+    @cached_property
     def deviation(self) -> Floats:
         """Standard deviation of each normalised reading, shape (n,).
 
         Raises:
             InputError: a noise that is not known.
         """
-        noise = _noise(self.joint, self.rows) if self.noise is None else self.noise
+        noise = _noise(self.joint, self.moments) if self.noise is None else self.noise
         return np.asarray(noise / normaliser(self.joint))
 
-    def readings(self, axis: str, sensors: Integers, divisor: float = 1.0) -> Floats | DoubleDouble:
-        """Readings of some sensors of the states over a divisor, shape (N, k).
+    def readings(
+        self, rows: Rows, axis: str, sensors: Integers, divisor: float = 1.0
+    ) -> Floats | DoubleDouble:
+        """Readings of some sensors of `rows` or `moments` over a divisor, shape (N, k).
 
         In twice the precision where bits count.
         """
-        joint, rows = self.joint, self.rows
+        joint = self.joint
         counted = [source for source in self.sources if source.weight > 0]
         ideal = len(counted) == 1 and counted[0].readings is None
         if not (self.exact and ideal and len(rows.state) <= _MOST_EXACT):
@@ -171,7 +180,8 @@ def _fitted(task: Task, axis: str, method: str, missing: int | None) -> Weights:
     if not len(sensors):
         return without_intercept(method, spans, matrix)
     if method == "wam":
-        found = _least_soft_l1(task.readings(axis, sensors), targets, task.rows.weight)
+        readings = task.readings(task.rows, axis, sensors)
+        found = _least_soft_l1(readings, targets, task.rows.weight)
     elif method == "noise-aware":
         found = _least_mean_square(task, axis, sensors)
     else:
@@ -196,9 +206,10 @@ def _least_soft_l1(readings: Floats | DoubleDouble, targets: Floats, weight: Flo
 
 
 def _least_mean_square(task: Task, axis: str, sensors: Integers) -> Floats:
-    noise, weight = task.deviation[sensors], task.rows.weight
-    targets, root = task.rows.state[:, task.joint.rows(axis)], np.sqrt(len(weight))
-    readings = task.readings(axis, sensors, root)
+    rows = task.moments
+    noise, weight = task.deviation[sensors], rows.weight
+    targets, root = rows.state[:, task.joint.rows(axis)], np.sqrt(len(weight))
+    readings = task.readings(rows, axis, sensors, root)
     if isinstance(readings, DoubleDouble):
         return gain(targets / root, readings, noise)
     readings, targets, weight = _complete(readings, targets / root, weight)
@@ -252,6 +263,9 @@ def fit_joint(
     Raises:
         InputError: as `weights_of`; ReachError: a shape that no load reaches.
     """
+    if shapes is None and joint.recordings:
+        # Weights that left them out in silence would be told as the recorded joint's.
+        raise InputError(f"{joint.source}: recordings: are not read here; give shapes")
     sources = simulated_sources(joint) if shapes is None else [Source(GIVEN, shapes, 1.0)]
     return fit_task(Task(joint, sources), method)
 

@@ -1,28 +1,30 @@
 """Weights as fitted: what they were fitted to, what they get wrong, what serves in their place."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ccgen.errors import ReachError
-from ccgen.estimation.errors import ErrorRow, Missed, errors_of, missed
+from ccgen.estimation.errors import ErrorRow, Missed, Pooled, errors_of, missed
 from ccgen.estimation.fallback import fallback
 from ccgen.estimation.fit import Task
-from ccgen.estimation.sources import CASES, OTHER, Source, within_axes
+from ccgen.estimation.held_out import Block, Choice, RecordedFit, Report, in_silence
+from ccgen.estimation.recorded import Recorded
+from ccgen.estimation.sources import CASES, LOADS, OTHER, RECORDING, Source, within_axes
 from ccgen.estimation.weights import Weights
 from ccgen.joint import METHODS
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
-    from ccgen.shapes import Shapes
+    from ccgen.recordings.recording import Recording
 
 
 @dataclass(frozen=True)
 class Without:
     """Errors that remain when one sensor is lost and the fallback's weights serve.
 
-    Told with noise on the shapes that the joint states first: recordings, loads, or the cases.
+    Told with noise on the shapes that say most of the joint: a recording, its loads, or the cases.
     """
 
     sensor: str
@@ -36,16 +38,27 @@ class FittedWeights:
     """Weights of a joint and everything that is told of them.
 
     Attributes:
-        joint: the joint.
+        joint: the joint, as its file has it.
         method: by which the weights were fitted.
         weights: of each output axis; they apply to normalised readings.
-        task: what they were fitted to.
+        task: what they were fitted to, and the joint with its sensors as they were found.
+        recordings: of the joint, read, where they were fitted to or are to be judged on.
+        found: their references.
+        report: told of progress where something takes long.
     """
 
     joint: "Joint"
     method: str
     weights: Mapping[str, Weights]
     task: Task
+    recordings: Sequence["Recording"] = ()
+    found: Recorded | None = None
+    report: Report = in_silence
+
+    @property
+    def sensed(self) -> "Joint":
+        """The joint with its sensors as they were found."""
+        return self.task.joint
 
     @property
     def rounding(self) -> Mapping[str, float]:
@@ -54,7 +67,7 @@ class FittedWeights:
 
     @cached_property
     def told(self) -> tuple[Source, ...]:
-        """Sources that errors are told on: cases, loads or shapes given, shapes of other loads."""
+        """Sources that errors are told on, but recordings: cases, loads or shapes given, others."""
         return tuple(self._cases[0] + self._others)
 
     @cached_property
@@ -64,17 +77,31 @@ class FittedWeights:
 
     @cached_property
     def errors(self) -> tuple[ErrorRow, ...]:
-        """Errors on each source, without noise and with everything that is stated."""
-        return tuple(
-            errors_of(source.name, self.missed(source.shapes, noise), noise, self.held_out(source))
+        """Errors on each source, without noise and with everything that is stated.
+
+        Of recordings with real counts those with noise alone.
+        """
+        simulated = [
+            errors_of(source.name, self.missed(source, noise), noise, self.held_out(source))
             for source in self.told
             for noise in (False, True)
+        ]
+        return (*simulated, *(self.recorded.errors() if self.recorded is not None else ()))
+
+    @cached_property
+    def recorded(self) -> RecordedFit | None:
+        """What judges the weights on the joint's recordings; None without any."""
+        if self.found is None:
+            return None
+        simulated = [one for one in self.task.sources if not one.name.startswith(RECORDING)]
+        return RecordedFit(
+            self.recordings, self.whole, simulated, self.method, self.rounding, self.report
         )
 
     @cached_property
-    def quick(self) -> Task:
-        """The same task for weights that are compared only, not exported: right to rounding."""
-        return replace(self.task, exact=False)
+    def whole(self) -> Block:
+        """What the weights were fitted to, with nothing held out."""
+        return Block(self.found or Recorded(self.joint, ()), self.task, self.weights)
 
     @property
     def _serving(self) -> str:
@@ -84,29 +111,45 @@ class FittedWeights:
     @cached_property
     def without(self) -> tuple[Without, ...]:
         """What each single sensor lost leaves."""
-        return tuple(self._without(j) for j in range(len(self.joint.sensors)))
+        return tuple(self._without(j) for j in range(len(self.sensed.sensors)))
 
     @property
     def stated(self) -> Source:
-        """The shapes that say most of the joint: recordings, else its loads, else the cases."""
-        order = {OTHER: 2, CASES: 1}
-        return min(self.told, key=lambda source: order.get(source.name, 0))
+        """The shapes that say most of the joint: a recording, else its loads, else the cases."""
+        order = {OTHER: 3, CASES: 2, LOADS: 1}
+        fitted = [one for one in self.task.sources if one.name.startswith(RECORDING)]
+        return min([*fitted, *self.told], key=lambda source: order.get(source.name, 0))
+
+    def judged(self, choice: Choice | None = None) -> Missed | Pooled:
+        """Errors with noise on the shapes that say most of the joint, a recording's held out.
+
+        Args:
+            choice: of other weights than those that were fitted.
+        """
+        if self.recorded is not None:
+            names = [one.name for one in self.whole.found.references]
+            if self.stated.name in names:
+                return self.recorded.judged(names.index(self.stated.name), True, choice)
+        weights = self.weights if choice is None else choice(self.whole)
+        return self.missed(self.stated, True, weights)
 
     def held_out(self, source: Source) -> bool:
         """Whether the weights were fitted without that source."""
         return not any(own.name == source.name and own.weight > 0 for own in self.task.sources)
 
     def missed(
-        self, shapes: "Shapes", noise: bool, weights: Mapping[str, Weights] | None = None
+        self, source: Source, noise: bool, weights: Mapping[str, Weights] | None = None
     ) -> Missed:
-        """Errors of the weights, or of others in their place, on simulated shapes."""
+        """Errors of the weights, or of others in their place, on the shapes of a source."""
         own = self.weights if weights is None else weights
-        return missed(self.joint, own, shapes, noise, self.task.noise, self.rounding)
+        readings = source.readings
+        shapes, known = source.shapes, self.task.noise
+        return missed(self.sensed, own, shapes, noise, known, self.rounding, readings)
 
     def _readers(self, sensor: int) -> list[str]:
         """Axes that read a sensor."""
-        every = range(len(self.joint.sensors))
-        return [axis for axis in self.joint.axes if sensor in every[self.joint.own(axis)]]
+        every = range(len(self.sensed.sensors))
+        return [axis for axis in self.sensed.axes if sensor in every[self.sensed.own(axis)]]
 
     @cached_property
     def _cases(self) -> tuple[list[Source], list[str]]:
@@ -124,21 +167,28 @@ class FittedWeights:
     def _others(self) -> list[Source]:
         from ccgen.shapes.loads.library import other_library
 
-        own = [source for source in self.task.sources if source.name != CASES]
+        own = [
+            source
+            for source in self.task.sources
+            if source.name != CASES and not source.name.startswith(RECORDING)
+        ]
         return [*own, Source(OTHER, within_axes(self.joint, other_library(self.joint)), 0.0)]
 
     def fallback(self, axis: str, sensor: int, task: Task | None = None) -> Weights | None:
         """Weights of an axis without a sensor of the joint; None where it is lost without it."""
-        first = self.joint.own(axis).start
+        first = self.sensed.own(axis).start
         return fallback(task or self.task, axis, self._serving, sensor - first)
 
     def _without(self, sensor: int) -> Without:
-        name = self.joint.sensors[sensor].name
-        served = {a: self.fallback(a, sensor, self.quick) for a in self._readers(sensor)}
-        lost = [axis for axis, own in served.items() if own is None]
-        known = {axis: own for axis, own in served.items() if own is not None}
-        weights = {**self.weights, **known}
-        found = errors_of(name, self.missed(self.stated.shapes, True, weights), True, False)
+        name, readers = self.sensed.sensors[sensor].name, self._readers(sensor)
+        lost = [axis for axis in readers if self.fallback(axis, sensor, self.whole.quick) is None]
+
+        def serving(block: Block) -> Mapping[str, Weights]:
+            served = {a: self.fallback(a, sensor, block.quick) for a in readers if a not in lost}
+            known = {axis: own for axis, own in served.items() if own is not None}
+            return {**block.weights, **known}
+
+        found = errors_of(name, self.judged(serving), True, False)
         return Without(
             sensor=name,
             rms_deg={a: None if a in lost else rms for a, rms in found.rms_deg.items()},

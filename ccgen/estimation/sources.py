@@ -19,10 +19,15 @@ from ccgen.shapes import Shapes, fit_shapes
 if TYPE_CHECKING:
     from ccgen.joint import Joint
 
-CASES, LOADS, OTHER = "cases", "loads", "other loads"
+CASES, LOADS, OTHER, RECORDING = "cases", "loads", "other loads", "recording:"
+"""Names of sources; those of recordings begin so."""
 
 RECORDED_WEIGHTS = {"cases": 0.0, "loads": 0.05, "recordings": 1.0}
 """Of the sources where recordings are given."""
+
+
+_ENOUGH = 1500
+"""Rows of a source by which weights are compared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +40,8 @@ class Source:
         weight: of the source as a whole.
         readings: normalised readings that belong to the rows, shape (N, n), NaN where a sensor
             had none; None for those of ideal sensors.
+        moment: second moment of the states, shape (2m + S, 2m + S), where the rows alone do not
+            tell it, being the most probable shapes of a recording.
         notes: what is to be said of the source, a sentence each.
     """
 
@@ -42,10 +49,34 @@ class Source:
     shapes: Shapes
     weight: float
     readings: Floats | None = None
+    moment: Floats | None = None
     notes: tuple[str, ...] = field(default=())
 
     def __len__(self) -> int:
         return len(self.shapes)
+
+    @property
+    def thinned(self) -> "Source":
+        """Evenly chosen rows, enough to compare weights by."""
+        every = slice(None, None, -(-len(self) // _ENOUGH))
+        u, v, h = (part[every] for part in (self.shapes.u, self.shapes.v, self.shapes.h))
+        readings = None if self.readings is None else self.readings[every]
+        return replace(self, shapes=Shapes(u, v, h, self.shapes.source[every]), readings=readings)
+
+    @property
+    def spread(self) -> "Source":
+        """Shapes of the same second moment, with readings without noise."""
+        shapes = self.shapes if self.moment is None else _rows_of(self.moment, self.shapes)
+        return replace(self, shapes=shapes, readings=None, moment=None)
+
+
+def _rows_of(moment: Floats, like: Shapes) -> Shapes:
+    """As many rows as states have numbers, whose mean of x x^T is this second moment."""
+    size, direction = np.linalg.eigh(moment)
+    states = (direction * np.sqrt(np.maximum(size, 0.0) * len(size))).T
+    m = like.segments
+    parts = states[:, :m], states[:, m : 2 * m], states[:, 2 * m :]
+    return Shapes(*parts, like.source[:1] * len(states))
 
 
 def ideal_readings(joint: "Joint", shapes: Shapes) -> Floats:
@@ -66,15 +97,8 @@ def simulated_sources(joint: "Joint", recorded: bool = False) -> list[Source]:
         recorded: whether recordings to fit to are given beside them.
 
     Raises:
-        InputError: the joint names recordings, and none are given beside them.
         ReachError: the cases or the loads do not bend the joint so far.
     """
-    if joint.recordings and not recorded:
-        # Weights that left them out in silence would be told as the recorded joint's.
-        raise InputError(
-            f"{joint.source}: recordings: are read and checked, but this version fits no weights "
-            "to them; remove [[recordings]], or give measured angles to ccgen.fit in Python"
-        )
     weights = source_weights(joint, recorded)
     sources = []
     if joint.shapes.cases and weights[CASES] > 0:

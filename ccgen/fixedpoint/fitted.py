@@ -14,6 +14,8 @@ from ccgen.estimation.advice import advice
 from ccgen.estimation.estimate import Estimate, estimate
 from ccgen.estimation.fit import Task, fit_task
 from ccgen.estimation.fitted import FittedWeights
+from ccgen.estimation.held_out import Report, in_silence
+from ccgen.estimation.recorded import recorded
 from ccgen.estimation.sources import Source, simulated_sources
 from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.guarded import GuardedModel
@@ -31,14 +33,16 @@ class Fit(FittedWeights):
     """What was fitted to a joint, and what is exported of it.
 
     Attributes:
-        joint: the joint.
+        joint: the joint, as its file has it.
         method: name of the estimation method.
         weights: by output axis; they apply to normalised readings, (l - l0) / (r p).
         task: the sources of shapes that the weights were fitted to, and how much each counts.
-        sensors: the joint's, with the gains and zeros that the estimate uses.
     """
 
-    sensors: tuple[Sensor, ...]
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """The joint's, with the gains and zeros that the estimate uses."""
+        return tuple(replace(sensor, zero=sensor.zero or 0) for sensor in self.sensed.sensors)
 
     @cached_property
     def shapes(self) -> Shapes:
@@ -55,7 +59,7 @@ class Fit(FittedWeights):
         Raises:
             FormatError: no format fits; names the sensor, the key and the remedy.
         """
-        return quantise(self.joint, self.weights, self._held)
+        return quantise(self.sensed, self.weights, self._held)
 
     @cached_property
     def guarded(self) -> GuardedModel:
@@ -66,7 +70,7 @@ class Fit(FittedWeights):
         Raises:
             FormatError: as of `model`; ReachError: no draw of the joint's loads gives a shape.
         """
-        joint, model = self.joint, self.model
+        joint, model = self.sensed, self.model
         if not joint.fallback:
             return GuardedModel(model, {}, self.checks.groups)
         found = {}
@@ -85,7 +89,7 @@ class Fit(FittedWeights):
         Raises:
             FormatError: as of `model`; ReachError: no draw of the joint's loads gives a shape.
         """
-        return joint_checks(self.joint, self.shapes, lambda: self.model)
+        return joint_checks(self.sensed, self.shapes, lambda: self.model)
 
     @property
     def noise(self) -> dict[str, Floats | None]:
@@ -94,7 +98,7 @@ class Fit(FittedWeights):
         With the step of the counts, and the tolerance of the gains over the shapes of the fit.
         """
         moment = second_moment(self.shapes.state)
-        return {axis: told_noise(self.joint, axis, moment) for axis in self.weights}
+        return {axis: told_noise(self.sensed, axis, moment) for axis in self.weights}
 
     @cached_property
     def rounding(self) -> Mapping[str, float]:
@@ -102,7 +106,7 @@ class Fit(FittedWeights):
 
         Unknown, and empty, where no format fits; `model` says why.
         """
-        if not in_the_papers_way(self.joint) or self.joint.axes != AXES:
+        if not in_the_papers_way(self.sensed) or self.joint.axes != AXES:
             return {}
         try:
             model = self.model
@@ -114,7 +118,7 @@ class Fit(FittedWeights):
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What a user should know before relying on the fit, a sentence each."""
-        share, said = reach(self.joint, self.shapes), list(advice(self))
+        share, said = reach(self.sensed, self.shapes), list(advice(self))
         if share > 1.0 and not self._is_stated:
             said.append(
                 f"the shapes reach {share:.3g} times the range of motion; formats grow with them"
@@ -130,13 +134,13 @@ class Fit(FittedWeights):
         Raises:
             ArgumentError: another form, or lengths in the place of counts.
         """
-        return estimate(self.joint, self.sensors, self.weights, counts)
+        return estimate(self.sensed, self.sensors, self.weights, counts)
 
     @cached_property
     def _held(self) -> Shapes:
         """Shapes that formats hold."""
-        alone = self._is_stated and not self.joint.couples
-        return self.shapes if alone else joined([self.shapes, _at_range(self.joint)])
+        alone = self._is_stated and not self.sensed.couples
+        return self.shapes if alone else joined([self.shapes, _at_range(self.sensed)])
 
     @property
     def _is_stated(self) -> bool:
@@ -163,6 +167,7 @@ def fit(
     joint: Joint,
     method: str | None = None,
     shapes: ArrayLike | Mapping[str, ArrayLike] | Shapes | None = None,
+    report: Report = in_silence,
 ) -> Fit:
     """Fit the weights of a joint's estimator.
 
@@ -172,20 +177,36 @@ def fit(
         shapes: what to fit to instead of what the joint states: segment angles of shape (N, m) in
             radians, which both axes take; arrays by axis, {"u": ..., "v": ...}; or
             `ccgen.Shapes`.
+        report: told of progress where something takes long: what, steps done, steps in all.
 
     Raises:
         ArgumentError: an unknown method, or shapes that are not the joint's; InputError: a method
-            that the joint's sensors do not allow; ReachError: a shape that no load reaches.
+            that the joint's sensors do not allow, or a recording that is wrong; ReachError: a
+            shape that no load reaches.
     """
     if method is not None and method not in FIT_METHODS:
         raise ArgumentError(
             f"{method!r} is unknown; give one of {', '.join(FIT_METHODS)}", "method"
         )
     own = method or joint.method
-    sensors = tuple(replace(sensor, zero=sensor.zero or 0) for sensor in joint.sensors)
-    sources = simulated_sources(joint) if shapes is None else _given(joint, shapes)
-    task = Task(joint, sources)
-    return Fit(joint, own, fit_task(task, own), task, sensors)
+    if shapes is not None or not joint.recordings:
+        sources = simulated_sources(joint) if shapes is None else _given(joint, shapes)
+        task = Task(joint, sources)
+        return Fit(joint, own, fit_task(task, own), task, report=report)
+    return _fit_recorded(joint, own, report)
+
+
+def _fit_recorded(joint: Joint, method: str, report: Report) -> Fit:
+    """Fit a joint that names recordings, to fit to or to score with."""
+    from ccgen.recordings.reading import read_recordings
+
+    report("recordings", 0, len(joint.recordings))
+    recordings = read_recordings(joint)
+    found = recorded(joint, recordings)
+    report("recordings", len(recordings), len(recordings))
+    simulated = simulated_sources(joint, bool(found.fitted))
+    task = Task(found.joint, [*simulated, *found.sources()])
+    return Fit(joint, method, fit_task(task, method), task, recordings, found, report)
 
 
 def _given(joint: Joint, shapes: ArrayLike | Mapping[str, ArrayLike] | Shapes) -> list[Source]:

@@ -232,7 +232,9 @@ def _source_weights(table: JointTable) -> tuple[tuple[str, float], ...]:
 
 
 def _check_method(joint: Joint) -> None:
-    """Check that what the method weighs by is known of all sensors."""
+    """Check that what the method weighs by is known of all sensors, or may be by recordings."""
+    if any(recording.use == "fit" for recording in joint.recordings):
+        return
     silent = [j for j, sensor in enumerate(joint.sensors) if sensor.noise is None]
     if joint.method == "noise-aware" and silent:
         everywhere = len(silent) == len(joint.sensors)

@@ -1,5 +1,6 @@
 """The joint's kinematics (uvh): poses, Jacobian, tendon lengths, and how exact they are in C."""
 
+from ccgen.kinematics.tip import tip_position, tip_slopes
 from ccgen.kinematics.uvh import (
     U_SENSOR_ANGLE,
     V_SENSOR_ANGLE,
@@ -18,4 +19,6 @@ __all__ = [
     "tendon_length",
     "tip_jacobian",
     "tip_pose",
+    "tip_position",
+    "tip_slopes",
 ]

@@ -52,7 +52,7 @@ def segment_transform(u: ArrayLike, v: ArrayLike, h: ArrayLike) -> Array:
     """
     u, v = _pair(u, v)
     h = np.asarray(h, dtype=np.float64)
-    a, b = _sinc(u, v)
+    a, b = sinc(u, v)
     transform = np.zeros((*u.shape, 4, 4))
     transform[..., 0, 0] = 1 - b * v * v
     transform[..., 0, 1] = transform[..., 1, 0] = b * u * v
@@ -144,8 +144,8 @@ def _segment_velocities(u: Array, v: Array, h: float) -> tuple[Array, Array]:
     Returns:
         Linear (metres per radian) and angular (1) parts, both shape (..., 3, 2).
     """
-    _, b = _sinc(u, v)
-    c, d = _remainders(u, v)
+    _, b = sinc(u, v)
+    c, d = remainders(u, v)
     da, db = c - b, 2 * d - c
     linear = np.empty((*u.shape, 3, 2))
     linear[..., 0, 0] = db * u * v
@@ -170,15 +170,15 @@ def _pair(u: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
     return first, second
 
 
-def _sinc(u: Array, v: Array) -> tuple[Array, Array]:
+def sinc(u: Array, v: Array) -> tuple[Array, Array]:
     """The functions a and b; the half angle keeps b = sinc(phi / 2)^2 / 2 from cancelling."""
     phi = np.hypot(u, v)
     return np.sinc(phi / np.pi), np.sinc(phi / (2 * np.pi)) ** 2 / 2
 
 
-def _remainders(u: Array, v: Array) -> tuple[Array, Array]:
+def remainders(u: Array, v: Array) -> tuple[Array, Array]:
     """The functions c and d: series for small angles, closed forms beyond."""
-    a, b = _sinc(u, v)
+    a, b = sinc(u, v)
     square = u * u + v * v
     small = square < _SERIES_LIMIT
     divisor = np.where(small, 1.0, square)
