@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ccgen.calibration.calibrate import calibrate as calibrate
     from ccgen.cost.costs import cost as cost
     from ccgen.estimation.estimate import Estimate as Estimate
     from ccgen.export.package import export as export
@@ -36,6 +37,7 @@ _HOMES = {
     "Fit": "fixedpoint.fitted",
     "Joint": "joint.specification",
     "Shapes": "shapes.library",
+    "calibrate": "calibration.calibrate",
     "fit": "fixedpoint.fitted",
     "load": "joint.file",
     "parse": "joint.file",

@@ -9,8 +9,12 @@ if TYPE_CHECKING:
     from ccgen.joint import Joint
 
 
-def read_recordings(joint: "Joint") -> tuple[Recording, ...]:
+def read_recordings(joint: "Joint", poses: bool = False) -> tuple[Recording, ...]:
     """Read the recordings of a joint, in the order of its file.
+
+    Args:
+        joint: whose file names them.
+        poses: as of `read_recording`.
 
     Raises:
         InputError: as `read_recording`.
@@ -20,4 +24,4 @@ def read_recordings(joint: "Joint") -> tuple[Recording, ...]:
         geometry.segments, len(geometry.sections), geometry.length, geometry.range_of_motion
     )
     sensors = recorded_sensors(joint)
-    return tuple(read_recording(file, sensors, extent) for file in joint.recordings)
+    return tuple(read_recording(file, sensors, extent, poses) for file in joint.recordings)

@@ -99,13 +99,16 @@ class Recording:
         return (times >= interval[0]) & (times <= interval[1])
 
 
-def read_recording(file: RecordingFile, sensors: RecordedSensors, extent: Extent) -> Recording:
+def read_recording(
+    file: RecordingFile, sensors: RecordedSensors, extent: Extent, poses: bool = False
+) -> Recording:
     """Read the files of a recording.
 
     Args:
         file: which they are, and what the joint file says of them.
         sensors: those of the joint.
         extent: how long the joint is and how far it bends.
+        poses: whether a few rows of angles will do, poses that the joint was held in.
 
     Raises:
         InputError: in one line file, line or column, what is wrong, what would be right.
@@ -116,7 +119,9 @@ def read_recording(file: RecordingFile, sensors: RecordedSensors, extent: Extent
     if file.rows is not None:
         table = _chosen(table, file.rows)
     columns = sorted_columns(table, expected)
-    checks.check_rows(table)
+    few = poses and columns.u is not None and 0 < len(table.values) < checks.FEWEST_ROWS
+    if not few:
+        checks.check_rows(table)
     if columns.t is not None:
         checks.check_time(table, columns.t)
     u, v = _angles(table, columns, extent)
@@ -132,7 +137,9 @@ def read_recording(file: RecordingFile, sensors: RecordedSensors, extent: Extent
         counts=None,
     )
     recording = _with_counts(recording, table, columns, sensors, expected)
-    _check_whole(recording, extent)
+    _check_stated(recording)
+    if not few:
+        _check_moves(recording, extent)
     return recording
 
 
@@ -259,8 +266,8 @@ def _logged_counts(
     return Counts(log.t, log.counts), hashes, notes
 
 
-def _check_whole(recording: Recording, extent: Extent) -> None:
-    """Check what concerns several columns, and what the joint file says of the recording."""
+def _check_stated(recording: Recording) -> None:
+    """Check what the joint file says of the recording, and that it holds anything of use."""
     file = recording.file
     stated = {name: getattr(file, name) for name in ("straight", "zero_from", "delay")}
     for name, value in stated.items():
@@ -278,6 +285,9 @@ def _check_whole(recording: Recording, extent: Extent) -> None:
         interval = getattr(file, name)
         if interval is not None:
             checks.check_interval(recording.source, name, interval, recording.t)
+
+
+def _check_moves(recording: Recording, extent: Extent) -> None:
     if recording.dense or recording.bodies:
         check_motion(
             recording.source,

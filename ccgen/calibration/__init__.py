@@ -1,0 +1,1 @@
+"""What recordings and known poses tell of a joint's sensors."""
