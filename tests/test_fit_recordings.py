@@ -200,3 +200,34 @@ def test_what_a_lost_sensor_leaves_is_told_of_blocks_that_were_held_out(tmp_path
     lost = {row.sensor: row for row in fitted.without}
     assert lost["u1"].rms_deg["u"] > whole.rms_deg["u"]
     assert lost["u1"].rms_deg["v"] == pytest.approx(whole.rms_deg["v"])
+
+
+def told(fitted, start):
+    return [warning for warning in fitted.warnings if warning.startswith(start)]
+
+
+def test_a_direction_that_no_source_moves_the_joint_in_is_said(tmp_path):
+    alike = np.repeat(bends(3).mean(axis=1, keepdims=True), SEGMENTS, axis=1)
+    fitted = ccgen.fit(recorded(tmp_path, {"run.csv": angle_columns(alike, bends(4))}))
+    said = told(fitted, "axis u: recording:run.csv hardly bend")
+    assert len(said) == 2
+    assert "with its tip against its base" in said[0]
+    assert not told(fitted, "axis v: recording:run.csv hardly bend")
+
+
+def test_rows_that_are_too_few_for_the_sensors_are_said(tmp_path):
+    t = np.linspace(-1.0, 1.0, ROWS)[:, None]
+    slow = 1.5 * t * MODES[0] + 0.5 * t**2 * MODES[1] + 0.5 * t**3 * MODES[2]
+    fitted = ccgen.fit(recorded(tmp_path, {"run.csv": angle_columns(slow, bends(4))}))
+    assert told(fitted, "axis u: the 200 rows of recording:run.csv count as")
+    assert not told(fitted, "axis v: the 200 rows of recording:run.csv count as")
+
+
+def test_weights_fitted_to_the_cases_that_would_do_better_are_said(tmp_path):
+    remedy = "the same fitted to the load cases by"
+    cases = np.degrees(ccgen.fit(ccgen.parse(joint_text(count=2))).shapes.u)  # a case a block
+    fitted = ccgen.fit(recorded(tmp_path, {"run.csv": angle_columns(cases, cases)}, count=2))
+    assert any(remedy in warning for warning in told(fitted, "axis u: on recording:run.csv"))
+    mixed = cases[np.random.default_rng(0).permutation(len(cases))]
+    fitted = ccgen.fit(recorded(tmp_path, {"run.csv": angle_columns(mixed, mixed)}, count=2))
+    assert not any(remedy in warning for warning in fitted.warnings)

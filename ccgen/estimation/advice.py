@@ -7,11 +7,12 @@ import numpy as np
 
 from ccgen.errors import InputError, ReachError
 from ccgen.estimation.errors import ErrorRow, Missed, Pooled, errors_of
+from ccgen.estimation.excitation import few_rows, unexcited
 from ccgen.estimation.fit import fit_task
 from ccgen.estimation.fitted import FittedWeights
 from ccgen.estimation.held_out import Choice
 from ccgen.estimation.score import elongation_warning
-from ccgen.estimation.sources import CASES, OTHER, Source
+from ccgen.estimation.sources import CASES, OTHER, RECORDING, Source
 from ccgen.estimation.weights import Floats
 from ccgen.joint import METHODS
 from ccgen.sensing.readings import normalised_response
@@ -35,6 +36,7 @@ def advice(fit: FittedWeights) -> Iterator[str]:
     yield from _better_weights(fit)
     yield from _spare_sensors(fit)
     yield from _elongation(fit)
+    yield from _untold(fit)
     if fit.found is not None:
         for reference in fit.found.references:
             yield from reference.notes
@@ -50,11 +52,12 @@ def _other_loads(fit: FittedWeights) -> Iterator[str]:
     if far < _MATTERS or far < _FAR * near:
         return
     cases = fitted == [CASES]
-    remedy = (
-        "state the joint's loads in [loads]"
-        if cases
-        else "state every load that it meets in [loads]"
-    )
+    if any(name.startswith(RECORDING) for name in fitted):
+        remedy = "record it in every load that it meets, or state them in [loads]"
+    elif cases:
+        remedy = "state the joint's loads in [loads]"
+    else:
+        remedy = "state every load that it meets in [loads]"
     yield (
         f"the weights are fitted to {'the load cases alone' if cases else ' and '.join(fitted)}, "
         f"with an error of {near:.2g} % of the range of motion; where other loads bend the joint "
@@ -140,6 +143,16 @@ def _spare_sensors(fit: FittedWeights) -> Iterator[str]:
                 f"{known[least]:.2g} degrees a segment instead of {own.rms_deg[axis]:.2g}: more "
                 "sensors would not help"
             )
+
+
+def _untold(fit: FittedWeights) -> Iterator[str]:
+    """Say what the sources do not tell of the weights."""
+    if fit.method in ("direct", "equal"):
+        return
+    sources = [source for source in fit.task.sources if source.weight > 0]
+    others = next(source for source in fit.told if source.name == OTHER)
+    yield from unexcited(fit.sensed, sources, others)
+    yield from few_rows(fit.sensed, [one for one in sources if one.name.startswith(RECORDING)])
 
 
 def _elongation(fit: FittedWeights) -> Iterator[str]:
