@@ -1,6 +1,7 @@
 # make demo   the main job on an example: fit, export, verify, a plot
 # make test   everything the tests need, then all of them
 # make prove  the exported C has no undefined behaviour, whatever the input (Frama-C, 1 GB)
+# make coverage  which branches of the C runtime's sources its unit tests take
 # make vcan   the SocketCAN node on a real vcan, in a kernel that runs as a process
 PYTHON ?= python3
 VENV ?= .venv
@@ -23,7 +24,7 @@ TOOLS = gcc:gcc g++:g++ clang:clang $(FUZZER):libclang-rt-dev cmake:cmake \
   arduino-builder:arduino-builder arduino-builder:arduino-core-avr \
   qemu-system-arm:qemu-system-arm qemu-system-riscv32:qemu-system-misc
 
-.PHONY: demo test prove vcan lint tools benchmark clean
+.PHONY: demo test prove coverage vcan lint tools benchmark clean
 
 demo: $(VENV)/.installed
 	@mkdir -p $(OUT)
@@ -42,6 +43,10 @@ test: tools $(VENV)/.test-installed lint
 prove: TOOLS := frama-c:frama-c-base gcc:gcc
 prove: tools $(VENV)/.installed
 	tests/c/prove/run.sh $(BIN)/ccgen $(OUT)/prove
+
+coverage: TOOLS := gcc:gcc gcov:gcc
+coverage: tools $(VENV)/.test-installed
+	$(BIN)/python tests/coverage/run.py
 
 vcan: TOOLS := gcc:gcc linux.uml:user-mode-linux insmod:kmod ip:iproute2 candump:can-utils
 vcan: tools $(VENV)/.test-installed

@@ -41,12 +41,16 @@ def compile_c(
     target: Path | None = None,
 ) -> Path:
     """Compile and link with every warning an error; fails the test with the compiler's words."""
-    number = len(list(Path(_FOLDER.name).iterdir()))
-    out = target or Path(_FOLDER.name) / f"build{number}"
+    out = target or next_build()
     command = [compiler, *C99, *WARNINGS, *INCLUDE, *flags, *map(str, files), "-o", str(out)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stderr}"
     return out
+
+
+def next_build() -> Path:
+    """Where what is compiled next goes."""
+    return Path(_FOLDER.name) / f"build{len(list(Path(_FOLDER.name).iterdir()))}"
 
 
 @cache
@@ -140,6 +144,11 @@ class Axis16(ctypes.Structure):
         ("biases", ctypes.POINTER(ctypes.c_int32)),
         ("rows", ctypes.POINTER(ctypes.c_uint32)),
     )
+
+
+def junk(size: int) -> ctypes.Array[ctypes.c_char]:
+    """Memory that has held anything, as a state that is to be initialised has."""
+    return ctypes.create_string_buffer(b"\xa5" * size, size)
 
 
 def frame(id_: int, data: bytes, fd: bool = False, **fields: bool) -> Frame:

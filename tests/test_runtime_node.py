@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from runtime_c import UNDEFINED, Frame, frame, load
+from runtime_c import UNDEFINED, Frame, frame, junk, load
 from test_runtime_estimator import sample_model
 
 from ccgen.e2e import P01, P05, crc8_j1850
@@ -33,7 +33,7 @@ class Node:
         flags = ("-O1", *UNDEFINED, "-DSAMPLE_FD=1") if fd else ("-O1", *UNDEFINED)
         self.c, self.fd = load(flags), fd
         self.profile = P05 if fd else P01
-        self.state = ctypes.create_string_buffer(self.c.ccgen_shared_node_size())
+        self.state = junk(self.c.ccgen_shared_node_size())
         assert self.c.ccgen_shared_node_init(self.state) == 0
 
     def receive(self, sent: Frame, now: int) -> int:

@@ -3,8 +3,8 @@
 import ctypes
 
 import pytest
-from runtime_c import NO_READING, Frame, Layout, load
-from test_runtime_snapshot import CLASSIC, frames_of
+from runtime_c import NO_READING, Frame, Layout, junk, load
+from test_runtime_snapshot import CLASSIC, FD, frames_of, profile_of
 
 ARGUMENT = -1
 
@@ -14,7 +14,7 @@ class Bare:
 
     def __init__(self, layout: Layout = CLASSIC) -> None:
         self.c, self.layout = load(), layout
-        self.state = ctypes.create_string_buffer(self.c.probe_size(5))
+        self.state = junk(self.c.probe_size(5))
         assert self.c.ccgen_node_init(ctypes.byref(layout), self.state) == 0
 
     def receive(self, counts: list[int]) -> None:
@@ -32,6 +32,19 @@ class Bare:
         function = getattr(self.c, f"ccgen_node_counts{precision}")
         assert function(ctypes.byref(self.layout), self.state, u, v) == 0
         return [*u, *v]
+
+    @property
+    def overruns(self) -> int:
+        return self.c.probe_overruns(self.state)
+
+    def transmit32(self, u: list[int], v: list[int], now: int = 0) -> list[Frame]:
+        """All that is due of a joint of precision 32."""
+        layout, sent = ctypes.byref(self.layout), Frame()
+        angles = [(ctypes.c_int32 * len(axis))(*axis) for axis in (u, v)]
+        frames = []
+        while self.c.ccgen_node_transmit32(layout, self.state, *angles, now, ctypes.byref(sent)):
+            frames.append(Frame.from_buffer_copy(sent))
+        return frames
 
     def publish(self, result: int, missing: int, tip: object) -> int:
         layout = ctypes.byref(self.layout)
@@ -64,6 +77,41 @@ def test_an_estimate_needs_a_tip_and_a_failure_does_not():
     assert node.state.raw == before
     assert node.publish(-2, 1, None) == -2
     assert node.publish(5, 0, (ctypes.c_int16 * 3)()) == 1
+
+
+@pytest.mark.parametrize(("classic", "per_frame"), [(True, 1), (False, 15)])
+def test_angles_of_32_bits_go_out_u_then_v_under_their_snapshots_number(classic, per_frame):
+    layout = Layout.from_buffer_copy(CLASSIC if classic else FD)
+    layout.angle_bytes, layout.segments = 4, 11
+    node, header = Bare(layout), 2 if classic else 3
+    node.transmit32([0] * 11, [0] * 11)
+    node.receive([5] * (layout.sensors_u + layout.sensors_v))
+    u, v = [10**8 * k - 7 for k in range(11)], [3 - 10**8 * k for k in range(11)]
+    for result, missing in ((0, 0), (-2, 1)):
+        node.publish(result, missing, (ctypes.c_int16 * 3)(1, -2, 3))
+        *angles, tip, _ = node.transmit32(u, v)
+        assert len(angles) == -(-22 // per_frame)
+        sent = b"".join(got.payload()[header : header + 4 * per_frame] for got in angles)
+        values = [int.from_bytes(sent[k : k + 4], "little", signed=True) for k in range(0, 88, 4)]
+        assert values == ([*u, *v] if result == 0 else [NO_READING] * 22)
+        assert not any(sent[88:])
+        place = tip.payload()[header : header + 6]
+        assert list(memoryview(place).cast("h")) == ([1, -2, 3] if result == 0 else [-32768] * 3)
+        for got in (*angles, tip):
+            assert profile_of(layout).check(got.id & 0xFFFF, got.payload()) == 0
+
+
+def test_an_answer_of_which_only_the_status_was_not_fetched_is_an_overrun():
+    node, tip = Bare(), (ctypes.c_int16 * 3)()
+    layout, sent, some = ctypes.byref(CLASSIC), ctypes.byref(Frame()), (ctypes.c_int16 * 12)()
+    overruns = []
+    for fetched in (10, 9, 0):  # 8 of angles, tip, status
+        node.publish(0, 0, tip)
+        overruns.append(node.overruns)
+        for _ in range(fetched):
+            assert node.c.ccgen_node_transmit16(layout, node.state, some, some, 0, sent) == 1
+    node.publish(0, 0, tip)
+    assert [*overruns, node.overruns] == [0, 0, 1, 2]
 
 
 def test_null_pointers_are_refused():

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from runtime_c import NO_READING, Frame, Layout, frame, load
+from runtime_c import NO_READING, Frame, Layout, frame, junk, load
 
 from ccgen.e2e import P01, P05, Profile
 
@@ -32,7 +32,7 @@ class Snapshot:
     def __init__(self, layout: Layout = CLASSIC) -> None:
         self.c = load()
         self.layout = layout
-        self.state = ctypes.create_string_buffer(self.c.probe_size(3))
+        self.state = junk(self.c.probe_size(3))
         assert self.c.ccgen_snapshot_init(ctypes.byref(layout), self.state) == 0
 
     def receive(self, sent: Frame, now: int) -> int:
@@ -474,6 +474,14 @@ def test_age_counts_milliseconds_up_to_255_and_stays_there():
     assert snapshot.age(start + 2**32 + 1000) == 255
 
 
+def test_an_age_may_be_asked_for_at_a_time_that_nothing_has_told_yet():
+    snapshot = Snapshot()
+    send(snapshot, 0, 7000)
+    assert [snapshot.age(7000 + 1000 * ms) for ms in (0, 254, 255, 256, 511)] == [
+        0, 254, 255, 255, 255,
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize("width", [2, 3, 4])
 def test_counts_of_every_width_keep_their_sign_and_no_reading(width):
     top = 2 ** (8 * width - 1)
@@ -512,6 +520,8 @@ def test_null_pointers_are_refused():
     assert c.ccgen_snapshot_receive(layout, None, sent, 0) == -1
     assert c.ccgen_snapshot_receive(layout, snapshot.state, None, 0) == -1
     assert c.ccgen_snapshot_tick(layout, None, 0) == -1
+    assert c.ccgen_snapshot_tick(None, snapshot.state, 0) == -1
+    assert c.ccgen_snapshot_age_ms(None, 0) == 255
     assert c.ccgen_snapshot_set_window(None, 5) == -1
     assert c.ccgen_snapshot_set_window(snapshot.state, 0) == -1
 

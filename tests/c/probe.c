@@ -15,6 +15,7 @@ size_t probe_size(int which);
 void probe_snapshot(const ccgen_snapshot_t *snapshot, uint32_t counters[9]);
 uint8_t probe_take_faults(ccgen_snapshot_t *snapshot);
 const ccgen_layout_t *probe_sample_layout(void);
+uint32_t probe_overruns(const ccgen_node_t *node);
 
 const ccgen_axis16_t *probe_axis(const int v) {
     return (v != 0) ? &v_axis : &u_axis;
@@ -45,4 +46,8 @@ uint8_t probe_take_faults(ccgen_snapshot_t *const snapshot) {
 
 const ccgen_layout_t *probe_sample_layout(void) {
     return &sample_layout;
+}
+
+uint32_t probe_overruns(const ccgen_node_t *const node) {
+    return node->overruns;
 }
