@@ -13,9 +13,7 @@ def at_least(value: float) -> str:
 
 def at_most(value: float) -> str:
     """Three digits of a positive value, rounded down; 0 for 0."""
-    if value <= 0.0:
-        return "0"
-    return f"{_rounded(Decimal(value) * (1 + _NEARLY_WHOLE), 3, ROUND_FLOOR):.3g}"
+    return f"{rounded_down(value):.3g}"
 
 
 def rounded_up(value: float, digits: int = 3) -> float:
@@ -26,6 +24,13 @@ def rounded_up(value: float, digits: int = 3) -> float:
     if value <= 0.0:
         return 0.0
     return _rounded(Decimal(value) * (1 - _NEARLY_WHOLE), digits, ROUND_CEILING)
+
+
+def rounded_down(value: float, digits: int = 3) -> float:
+    """Greatest decimal number of so many digits that is not above a positive value; 0 for 0."""
+    if value <= 0.0:
+        return 0.0
+    return _rounded(Decimal(value) * (1 + _NEARLY_WHOLE), digits, ROUND_FLOOR)
 
 
 def _rounded(value: Decimal, digits: int, rounding: str) -> float:

@@ -340,7 +340,7 @@ def test_more_sensors_than_segments_are_refused():
         (
             "noise = -1e-5",
             "sensors.transducer.noise: -1e-05 is too small; write one standard deviation of the "
-            "length in metres, 0 or more, such as noise = 2e-05",
+            "length in metres, 0 or from 1e-12 to 1000, such as noise = 2e-05",
         ),
         (
             '[estimator]\nmethod = "noise-aware"',
@@ -384,10 +384,7 @@ def test_missing_radius_and_count_length_are_named():
 
 _SEGMENTS = "write a whole number from 1 to 64, such as segments = 12"
 _LENGTH = "write the joint's length in metres, from 1e-6 to 1000, such as length = 0.24"
-_RANGE = (
-    "write degrees per segment and axis, greater than 0 and at most 90, "
-    "such as range_of_motion = 3.0"
-)
+_RANGE = "write degrees per segment and axis, from 1e-06 to 90, such as range_of_motion = 3.0"
 
 
 @pytest.mark.parametrize(

@@ -150,7 +150,7 @@ def test_where_a_joint_file_lies_does_not_change_the_joint(tmp_path):
         (
             with_keys("position_noise = 0"),
             "recordings[0].position_noise: 0 is too small; write one standard deviation of a "
-            "coordinate in metres, greater than 0, such as position_noise = 0.0002",
+            "coordinate in metres, from 1e-9 to 1, such as position_noise = 0.0002",
         ),
         (
             with_keys('delay = "none"'),

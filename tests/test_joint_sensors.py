@@ -222,7 +222,7 @@ def test_a_planar_arm_leaves_an_axis_out():
         ),
         (
             [("metres_per_count = -1.2e-5", "metres_per_count = 0.0")],
-            "sensor[1].metres_per_count: 0.0 is too small; write the length of one count in "
+            "sensor[1].metres_per_count: 0.0 is too near to 0; write the length of one count in "
             "metres, from 1e-12 to 1, negative where the count falls as the sensor lengthens, such "
             "as metres_per_count = 2e-06",
         ),
@@ -350,7 +350,7 @@ def test_lists_of_the_wrong_length_are_refused():
     text = lists("count = 3\nradius = 0.03", "metres_per_count = 2e-6\nnoise = [1e-5, -1e-5]")
     assert refusal(text) == (
         "sensors.transducer.noise[1]: -1e-05 is too small; write one standard deviation of the "
-        "length in metres, 0 or more, such as noise = 2e-05"
+        "length in metres, 0 or from 1e-12 to 1000, such as noise = 2e-05"
     )
 
 
@@ -434,7 +434,7 @@ def test_loads_state_an_elongation_too():
         (
             "",
             "geometry.range_of_motion: missing; write range_of_motion = 3.0 (degrees per segment "
-            "and axis, greater than 0 and at most 90)",
+            "and axis, from 1e-06 to 90)",
         ),
         (
             "range_of_motion = 3.0\ntotal_range_of_motion = 36.0",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ccgen.cli.costs import note_left_out, show_costs
-from ccgen.cli.output import note, print_json, progress_bars, results, show_table
+from ccgen.cli.output import note, print_json, progress_bars, results, show_table, warn
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,6 +49,7 @@ def export(
     targets = _countable_targets() if cost else []
     table_is_lost = not cost and has_table(output)
     done = write(joint_file, output)
+    warn(done.doubts)
     load = load_percent(done.layout, done.joint.can.bitrate)
     if load > 100.0:
         note(_too_slow(done, load))

@@ -7,7 +7,7 @@ import typer
 
 from ccgen.cli.choices import Method
 from ccgen.cli.fit_output import as_json, show_fit
-from ccgen.cli.output import note, print_json
+from ccgen.cli.output import print_json, warn
 from ccgen.cli.plot import write_plot
 
 if TYPE_CHECKING:
@@ -45,8 +45,7 @@ def fit(
         print_json(as_json(fitted, axes))
         return
     show_fit(fitted, axes)
-    for warning in fitted.warnings:
-        note(f"warning: {warning}")
+    warn(fitted.warnings)
 
 
 def _figures(fitted: "Fit", axis: str) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -37,6 +37,12 @@ def note(message: str) -> None:
     """Print a message on stderr, on a line of its own, whatever characters it holds."""
     line = "".join(c if c.isprintable() or c in _KEPT else repr(c)[1:-1] for c in message)
     print(f"ccgen: {line}", file=sys.stderr)
+
+
+def warn(warnings: Iterable[str]) -> None:
+    """Print warnings on stderr, each on a line of its own."""
+    for warning in warnings:
+        note(f"warning: {warning}")
 
 
 def results() -> "Console":

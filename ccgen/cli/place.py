@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ccgen.cli.choices import Axis, Generations, Individuals
-from ccgen.cli.output import note, progress_bars
+from ccgen.cli.output import note, progress_bars, warn
 from ccgen.cli.plot import write_plot
 from ccgen.errors import InputError
 
@@ -96,8 +96,10 @@ def place(
     from ccgen import placement
     from ccgen.cli.place_output import figure, show, show_json
     from ccgen.joint.file import load
+    from ccgen.joint.units import unit_doubts
 
     joint = load(joint_file)
+    warn(unit_doubts(joint))
     constraints = placement.Constraints(
         shortest=shortest,
         longest=longest,

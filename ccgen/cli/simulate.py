@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ccgen.cli.choices import Axis, Case
-from ccgen.cli.output import note, print_json
+from ccgen.cli.output import note, print_json, warn
 from ccgen.cli.plot import write_plot
 from ccgen.cli.simulate_output import as_json, print_tables
 from ccgen.errors import InputError, ReachError
@@ -55,8 +55,10 @@ def simulate(
       ccgen simulate shoulder.toml --loads push.toml --plot shape.svg
     """
     from ccgen.joint.file import read_joint
+    from ccgen.joint.units import unit_doubts
 
     joint = read_joint(joint_file)
+    warn(unit_doubts(joint))
     simulation, draw = _simulated(joint, case, first_segment, axis, loads)
     _note_what_is_beyond(joint, simulation, first_segment)
     for j in simulation.out_of_range:

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 CASES, LOADS, OTHER, RECORDING = "cases", "loads", "other loads", "recording:"
 """Names of sources; those of recordings begin so."""
 
+_STILL = 1e-8
+"""Radians, or share of the length, that a shape in which an axis moves has somewhere."""
+
 RECORDED_WEIGHTS = {"cases": 0.0, "loads": 0.05, "recordings": 1.0}
 """Of the sources where recordings are given."""
 
@@ -123,6 +126,15 @@ def source_weights(joint: "Joint", recorded: bool) -> Mapping[str, float]:
     else:
         usual = {"cases": 1.0, "loads": 0.0, "recordings": 0.0}
     return {**usual, **dict(joint.shapes.weight)}
+
+
+def still_axes(joint: "Joint", sources: Sequence[Source]) -> list[str]:
+    """Output axes that no shape to fit to moves by more than rounding: weights there are zero."""
+    counted = [source.shapes.state for source in sources if source.weight > 0]
+    if not counted:
+        return []
+    largest = np.abs(np.concatenate(counted)).max(axis=0, initial=0.0)
+    return [axis for axis in joint.axes if np.all(largest[joint.rows(axis)] < _STILL)]
 
 
 def within_axes(joint: "Joint", shapes: Shapes) -> Shapes:

@@ -59,6 +59,8 @@ class Export:
     joint: Joint
     model: FixedPointModel
     layout: FrameLayout
+    doubts: tuple[str, ...] = ()
+    """What is odd of the joint's numbers and of its fixed point, a sentence each."""
 
 
 def export(fitted: Fit | Joint | str | Path, directory: str | Path) -> Export:
@@ -81,7 +83,9 @@ def export(fitted: Fit | Joint | str | Path, directory: str | Path) -> Export:
             target = folder / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(content)
-    return Export(Path(directory), tuple(sorted(files)), whole.joint, whole.model, layout)
+    return Export(
+        Path(directory), tuple(sorted(files)), whole.joint, whole.model, layout, whole.doubts
+    )
 
 
 def render(fitted: Fit) -> tuple[FrameLayout, dict[str, bytes]]:

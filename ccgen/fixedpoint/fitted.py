@@ -1,6 +1,6 @@
 """A fitted joint: its weights with all that follows from them, in floats and in integers."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ccgen.errors import ArgumentError, FormatError
+from ccgen.errors import ArgumentError, FormatError, InputError
 from ccgen.estimation import FIT_METHODS, in_the_papers_way
 from ccgen.estimation.advice import advice
 from ccgen.estimation.estimate import Estimate, estimate
@@ -16,13 +16,15 @@ from ccgen.estimation.fit import Task, fit_task
 from ccgen.estimation.fitted import FittedWeights
 from ccgen.estimation.held_out import Report, in_silence
 from ccgen.estimation.recorded import recorded
-from ccgen.estimation.sources import Source, simulated_sources
+from ccgen.estimation.sources import Source, simulated_sources, still_axes
+from ccgen.fixedpoint.advice import fixed_point_advice
 from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.joint_checks import JointChecks, joint_checks
 from ccgen.fixedpoint.model import FixedPointModel, Floats
 from ccgen.fixedpoint.serving import quantise_with_fallbacks
 from ccgen.joint import AXES, Joint, Sensor
+from ccgen.joint.units import unit_doubts
 from ccgen.sensing.noise import second_moment, told_noise
 from ccgen.shapes import Shapes, bent_alike, joined
 from ccgen.shapes.given import given_shapes, reach
@@ -116,9 +118,16 @@ class Fit(FittedWeights):
         return {axis: unit * model.axis(axis).rms_error_percent_rom for axis in AXES}
 
     @cached_property
+    def doubts(self) -> tuple[str, ...]:
+        """What is odd of the joint's numbers and of its fixed point, a sentence each."""
+        said = fixed_point_advice(self.joint, lambda: self.model)
+        return (*unit_doubts(self.joint), *said)
+
+    @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What a user should know before relying on the fit, a sentence each."""
-        share, said = reach(self.sensed, self.shapes), list(advice(self))
+        said = [*self.doubts, *advice(self)]
+        share = reach(self.sensed, self.shapes)
         if share > 1.0 and not self._is_stated:
             said.append(
                 f"the shapes reach {share:.3g} times the range of motion; formats grow with them"
@@ -191,6 +200,7 @@ def fit(
     own = method or joint.method
     if shapes is not None or not joint.recordings:
         sources = simulated_sources(joint) if shapes is None else _given(joint, shapes)
+        _check_moved(joint, sources, shapes is not None)
         task = Task(joint, sources)
         return Fit(joint, own, fit_task(task, own), task, report=report)
     return _fit_recorded(joint, own, report)
@@ -205,8 +215,23 @@ def _fit_recorded(joint: Joint, method: str, report: Report) -> Fit:
     found = recorded(joint, recordings)
     report("recordings", len(recordings), len(recordings))
     simulated = simulated_sources(joint, bool(found.fitted))
-    task = Task(found.joint, [*simulated, *found.sources()])
+    sources = [*simulated, *found.sources()]
+    _check_moved(joint, sources, False)
+    task = Task(found.joint, sources)
     return Fit(joint, method, fit_task(task, method), task, recordings, found, report)
+
+
+def _check_moved(joint: Joint, sources: Sequence[Source], given: bool) -> None:
+    """Refuse shapes from which an axis would learn to answer zero."""
+    still = still_axes(joint, sources)
+    if not still:
+        return
+    what = "elongates the joint" if still[0] == "h" else f"bends axis {still[0]}"
+    said = f'no shape {what}; give some that do, or leave "{still[0]}" out of estimator.axes'
+    if given:
+        raise ArgumentError(said, "shapes")
+    key = "recordings" if joint.recordings else "loads"
+    raise InputError(f"{joint.source}: {key}: {said}")
 
 
 def _given(joint: Joint, shapes: ArrayLike | Mapping[str, ArrayLike] | Shapes) -> list[Source]:

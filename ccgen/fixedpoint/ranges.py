@@ -56,13 +56,13 @@ def count_range(joint: Joint, axis: str, shapes: Shapes) -> CountRange:
     for j in np.argsort(-moves, kind="stable"):  # messages name the sensor that moves most
         place = SensorPlace(joint, axis, int(j))
         ends[j] = place.range(int(needed[j]), float(moves[j]))
-    least = int(np.argmin(moves))
-    if not ends[least].any():
-        raise FormatError(
-            f"{SensorPlace(joint, axis, least).said('metres_per_count')} moves less than half a "
-            f"count over the range of motion; use at most {at_most(float(moves[least]))} m per "
-            "count"
-        )
+    for j in np.argsort(moves, kind="stable"):  # and that which moves least
+        if not needed[j]:
+            raise FormatError(
+                f"{SensorPlace(joint, axis, int(j)).said('metres_per_count')} moves less than half "
+                f"a count over the range of motion; use at most {at_most(float(moves[j]))} m per "
+                "count"
+            )
     return CountRange(ends[:, 0], ends[:, 1])
 
 

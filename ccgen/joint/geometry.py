@@ -4,9 +4,11 @@ import math
 
 from ccgen.joint.messages import KeyProblemError, missing_key, toml_value
 from ccgen.joint.specification import Geometry
-from ccgen.joint.tables import GeometryTable, JointTable
+from ccgen.joint.tables import LEAST_RANGE, GeometryTable, JointTable
 
 _STEEPEST = 90.0
+_NARROWEST = 1e-6
+"""Width of a range of elongation, share of the length."""
 
 
 def geometry_of(table: JointTable) -> Geometry:
@@ -44,6 +46,11 @@ def _range_of_motion(table: GeometryTable) -> float:
             f"each of {table.segments} segments; write at most {_STEEPEST * table.segments:g}, or "
             "more segments"
         )
+    if total < LEAST_RANGE * table.segments:
+        raise KeyProblemError(
+            f"geometry.total_range_of_motion: {total:g} degrees are less than {LEAST_RANGE:g} for "
+            f"each of {table.segments} segments; write at least {LEAST_RANGE * table.segments:g}"
+        )
     return total / table.segments
 
 
@@ -53,8 +60,10 @@ def _elongation(table: JointTable) -> tuple[float, float] | None:
         low, high = table.loads.elongation
         return (float(low), float(high)) if (low, high) != (0.0, 0.0) else None
     low, high = ends
-    if low >= high:
-        what = "is reversed" if low > high else "holds one value only"
+    if high - low < _NARROWEST:
+        what = f"is narrower than {_NARROWEST:g}"
+        if low >= high:
+            what = "is reversed" if low > high else "holds one value only"
         raise KeyProblemError(
             f"geometry.elongation: {toml_value(ends)} {what}; write the lowest share of the length "
             "first, such as elongation = [0.0, 0.05]"

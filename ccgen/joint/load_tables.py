@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
-from ccgen.joint.table import Table
+from ccgen.joint.table import Table, far_from_zero
 
 MOST_PARTS = 10_000
 MOST_CONTACTS = 64
@@ -53,11 +53,11 @@ class LoadsTable(StiffnessTable):
         description="how many shapes to draw, from 1 to 10000",
         examples=[300],
     )
-    stiffness_tolerance: float = Field(
+    stiffness_tolerance: Annotated[float, far_from_zero(1e-9)] = Field(
         default=0.0,
         ge=0.0,
         le=1.0,
-        description="the share by which each part's stiffness varies, from 0 to 1",
+        description="the share by which each part's stiffness varies, 0 or from 1e-9 to 1",
         examples=[0.1],
     )
     actuation: Annotated[list[_Whole], Field(min_length=2, max_length=2)] = Field(
@@ -100,9 +100,12 @@ class LoadsTable(StiffnessTable):
         description="metres from the base beyond which the joint is touched, 0 or more",
         examples=[0.05],
     )
-    elongation: Annotated[list[_Share], Field(min_length=2, max_length=2)] = Field(
+    elongation: Annotated[
+        list[Annotated[_Share, far_from_zero(1e-6)]], Field(min_length=2, max_length=2)
+    ] = Field(
         default=[0.0, 0.0],
-        description="the least and the most elongation as a share of the length, from -0.5 to 2",
+        description="the least and the most elongation as a share of the length, from -0.5 to 2, "
+        "each 0 or at least 1e-6 away from it",
         examples=[[0.0, 0.03]],
     )
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from ccgen.joint.table import EACH, ONE
+from ccgen.joint.table import EACH, NEAR_ZERO, ONE
 
 if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
@@ -95,6 +95,8 @@ def _complaint(kind: str, value: Any) -> str:
     if kind in ("too_short", "too_long"):
         items = len(value)
         return f"has {items} item{'' if items == 1 else 's'}"
+    if kind == NEAR_ZERO:
+        return "is too near to 0"
     if kind.startswith("greater_than"):
         return "is too small"
     if kind.startswith("less_than") or _overflows(kind, value):

@@ -20,6 +20,12 @@ def sensor_key(joint: Joint, sensor: int, key: str) -> str:
     return own if own in joint.own_keys else f"sensors.transducer.{key}"
 
 
+def radius_key(joint: Joint, sensor: int) -> str:
+    """Full name of the key that a sensor, by its number in `joint.sensors`, has its radius from."""
+    own = f"{_own_table(joint, sensor).removesuffix('.transducer')}.radius"
+    return own if own in joint.own_keys else "sensors.radius"
+
+
 def own_place(joint: Joint, sensor: int, key: str) -> str:
     """Full name that a key has or would have where it holds for that sensor, or its axis, alone."""
     return f"{_own_table(joint, sensor)}.{key}"

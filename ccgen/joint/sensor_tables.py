@@ -6,31 +6,21 @@ keys at once is checked in `ccgen.joint.sensors`, `ccgen.joint.listed` and their
 
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import AfterValidator, Field
-from pydantic_core import PydanticCustomError
+from pydantic import Field
 
-from ccgen.joint.table import Metres, OneOrEach, PairOrEach, Table
+from ccgen.joint.table import Metres, OneOrEach, PairOrEach, Table, far_from_zero
 
 MOST_SENSORS_OF_AXIS = 8
 """Sensors of one of the paper's sets."""
 MOST_SENSORS = 16
 """Sensors of a joint: a mask of 16 bits holds them."""
 
-_FINEST = 1e-12
-
-
-def _not_too_fine(value: float) -> float:
-    if abs(value) < _FINEST:
-        raise PydanticCustomError("greater_than_equal", "too near to 0")
-    return value
-
-
 _Bits = Annotated[int, Field(ge=2, le=32)]
-Step = Annotated[float, Field(ge=-1.0, le=1.0), AfterValidator(_not_too_fine)]
-_Noise = Annotated[float, Field(ge=0.0, le=1e3)]
+Step = Annotated[float, Field(ge=-1.0, le=1.0), far_from_zero(1e-12, or_zero=False)]
+_Noise = Annotated[float, Field(ge=0.0, le=1e3), far_from_zero(1e-12)]
 _Count = Annotated[int, Field(ge=-(2**31), le=2**32)]
 _Pair = Annotated[list[_Count], Field(min_length=2, max_length=2)]
-_Tolerance = Annotated[float, Field(ge=0.0, le=1.0)]
+_Tolerance = Annotated[float, Field(ge=0.0, le=1.0), far_from_zero(1e-9)]
 _Border = Annotated[float, Field(ge=0.0, le=1e3)]
 _Borders = Annotated[list[_Border], Field(min_length=2, max_length=2)]
 _Segments = Annotated[list[int], Field(min_length=2, max_length=2)]
@@ -57,7 +47,7 @@ _STEP = _Said(
     [2.0e-6],
 )
 _NOISE = _Said(
-    "one standard deviation of the length in metres, 0 or more",
+    "one standard deviation of the length in metres, 0 or from 1e-12 to 1000",
     [2.0e-5],
 )
 _ZERO = _Said("the count of the straight joint", [2048])
@@ -66,7 +56,7 @@ _RANGE = _Said(
     [[-20000, 20000]],
 )
 _TOLERANCE = _Said(
-    "one standard deviation of the gain as a share of it, from 0 to 1",
+    "one standard deviation of the gain as a share of it, 0 or from 1e-9 to 1",
     [0.02],
 )
 _RADIUS = _Said(

@@ -2,7 +2,8 @@
 
 from typing import Annotated, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic_core import PydanticCustomError
 
 T = TypeVar("T")
 
@@ -17,6 +18,26 @@ class Table(BaseModel):
 
 
 Metres = Annotated[float, Field(ge=1e-6, le=1e3)]
+
+
+NEAR_ZERO = "near_zero"
+"""What pydantic calls a number that `far_from_zero` refuses."""
+
+
+def far_from_zero(least: float, or_zero: bool = True) -> AfterValidator:
+    """Refuse numbers so near to 0 that squares and quotients of them leave a double's range.
+
+    Args:
+        least: smallest size of a number.
+        or_zero: whether 0 itself may stand there.
+    """
+
+    def check(value: float) -> float:
+        if abs(value) < least and not (or_zero and value == 0.0):
+            raise PydanticCustomError(NEAR_ZERO, "is too near to 0")
+        return value
+
+    return AfterValidator(check)
 
 
 def _which(value: object) -> str:

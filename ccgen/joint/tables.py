@@ -11,11 +11,13 @@ from pydantic import Field, field_validator
 
 from ccgen.joint.load_tables import LoadsTable
 from ccgen.joint.sensor_tables import MOST_SENSORS, SensorsTable, SensorTable
-from ccgen.joint.table import Metres, Table
+from ccgen.joint.table import Metres, Table, far_from_zero
 
 MOST_SEGMENTS = 64
 MOST_RECORDINGS = 100
 
+LEAST_RANGE = 1e-6
+"""Degrees of a segment: a joint that bends less is straight, and its shapes differ by rounding."""
 
 Samples = Annotated[int, Field(ge=1, le=1000)]
 Share = Annotated[float, Field(ge=-0.5, le=2.0)]
@@ -34,14 +36,16 @@ class GeometryTable(Table):
     length: Metres = Field(
         description="the joint's length in metres, from 1e-6 to 1000", examples=[0.24]
     )
-    range_of_motion: Annotated[float, Field(gt=0.0, le=90.0)] | None = Field(
+    range_of_motion: Annotated[float, Field(ge=LEAST_RANGE, le=90.0)] | None = Field(
         default=None,
-        description="degrees per segment and axis, greater than 0 and at most 90",
+        description=f"degrees per segment and axis, from {LEAST_RANGE:g} to 90",
         examples=[3.0],
     )
-    total_range_of_motion: Annotated[float, Field(gt=0.0, le=90.0 * MOST_SEGMENTS)] | None = Field(
+    total_range_of_motion: (
+        Annotated[float, Field(ge=LEAST_RANGE, le=90.0 * MOST_SEGMENTS)] | None
+    ) = Field(
         default=None,
-        description="degrees of the whole joint and axis, greater than 0",
+        description=f"degrees of the whole joint and axis, from {LEAST_RANGE:g} to 90 a segment",
         examples=[36.0],
     )
     sections: list[Annotated[int, Field(ge=1)]] | None = Field(
@@ -60,15 +64,18 @@ class GeometryTable(Table):
     )
 
 
-Weight = Annotated[float | None, Field(ge=0.0, le=1e6)]
+Weight = Annotated[float, Field(ge=0.0, le=1e6), far_from_zero(1e-6)] | None
+
+
+_WEIGHT = "a number, 0 or from 1e-6 to 1e6"
 
 
 class WeightTable(Table):
     """`weight` of [shapes]: how much each source counts as a whole."""
 
-    cases: Weight = Field(default=None, description="a number, 0 or more", examples=[0.0])
-    loads: Weight = Field(default=None, description="a number, 0 or more", examples=[0.05])
-    recordings: Weight = Field(default=None, description="a number, 0 or more", examples=[1.0])
+    cases: Weight = Field(default=None, description=_WEIGHT, examples=[0.0])
+    loads: Weight = Field(default=None, description=_WEIGHT, examples=[0.05])
+    recordings: Weight = Field(default=None, description=_WEIGHT, examples=[1.0])
 
 
 class ShapesTable(Table):
@@ -143,16 +150,16 @@ class RecordingTable(Table):
     )
     position_noise: float | None = Field(
         default=None,
-        gt=0.0,
+        ge=1e-9,
         le=1.0,
-        description="one standard deviation of a coordinate in metres, greater than 0",
+        description="one standard deviation of a coordinate in metres, from 1e-9 to 1",
         examples=[2.0e-4],
     )
     orientation_noise: float | None = Field(
         default=None,
-        gt=0.0,
+        ge=1e-9,
         le=90.0,
-        description="one standard deviation about an axis in degrees, greater than 0",
+        description="one standard deviation about an axis in degrees, from 1e-9 to 90",
         examples=[0.5],
     )
     delay: float | None = Field(

@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ccgen.digits import rounded_down
 from ccgen.errors import ReachError
 from ccgen.shapes.elastica import (
     NODES,
@@ -44,6 +45,10 @@ _MAX_STATES = 2000
 
 _PEAK_ITERATIONS = 8
 
+_FLAT = 1e-5
+"""Share of the largest angle above which it hardly tells one load from another: no load is asked
+for by an angle there."""
+
 
 @dataclass(frozen=True, eq=False)
 class Branch(Equilibria):
@@ -71,12 +76,14 @@ def bend(case: LoadCase, segments: int, first_segment: ArrayLike) -> Equilibria:
     """
     targets = np.asarray(first_segment, dtype=np.float64)
     branch, row = _branch_by_first_segment(case, segments)
-    reach = float(np.max(branch.states @ row))
+    reach = (1 - _FLAT) * float(np.max(branch.states @ row))
     if np.any(targets > reach):
+        reached = rounded_down(float(np.degrees(reach)), 6)
+        which = "the only one" if segments == 1 else f"the first of {segments} segments"
         raise ReachError(
             f"load case {case.name}: a first segment at {np.degrees(targets.max()):.6g} degrees is"
-            f" out of reach; the first of {segments} segments reaches {np.degrees(reach):.6g}"
-            f" degrees (dimensionless loads up to {case.limit:g})"
+            f" out of reach; {which} reaches {reached:.6g} degrees"
+            f" (dimensionless loads up to {case.limit:g})"
         )
     return first_crossings(branch, row, targets)
 

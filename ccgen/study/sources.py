@@ -8,7 +8,7 @@ PACKAGE = Path(__file__).resolve().parents[1]
 
 _SOURCES = (
     *("double_double", "joint/__init__.py", "joint/layouts.py", "joint/loads.py"),
-    *("joint/places.py", "joint/specification.py"),
+    *("digits.py", "joint/places.py", "joint/specification.py"),
     *("kinematics/__init__.py", "kinematics/tip.py", "kinematics/uvh.py", "shapes"),
     *("sensing/__init__.py", "sensing/noise.py", "sensing/readings.py"),
     *("estimation", "placement", "study/joints.py", "study/paper.py"),
