@@ -37,6 +37,8 @@ Floats = NDArray[np.float64]
 LARGEST_GAIN_STD = 0.1
 """Deviation of a gain, share of it, above which a recording does not determine it."""
 
+_LEAST_SCALE = 1e-9
+"""Metres."""
 _ALIKE = 0.8
 """Correlation of readings with what they should be above which their plain gain is believed."""
 _LEFT_OUT = ("swapped", "stuck")
@@ -153,15 +155,33 @@ def _noise(joint: Joint, sources: Sources) -> _Noise:
             better = ~(std <= held.noise_std)
             value, std = np.where(better, held.noise, value), np.where(better, held.noise_std, std)
         return _Noise(value, std)
-    value = sources.followed[0].noise
-    independent = sum(_independent(one) for one in sources.followed)
+    followed = sources.followed
+    value = followed[0].noise * _scale(followed, own=True) / _scale(followed, own=False)
+    independent = sum(_independent(one) for one in followed)
     return _Noise(value, value / np.sqrt(2.0 * np.maximum(independent, 1.0)))
+
+
+def _scale(followed: Sequence[Followed], own: bool) -> Floats:
+    """Robust scale of misfits, shape (n,): at the sensors' own times, or at the reference's.
+
+    Readings are laid between each other on the reference's clock, which averages their noise.
+    """
+    misfits = [one.misfit(own) for one in followed]
+    apart = np.abs(np.concatenate([one - _middle(one) for one in misfits]))
+    return np.maximum(_middle(apart), _LEAST_SCALE)
+
+
+def _middle(values: Floats) -> Floats:
+    """Median of each column without NaN; 0 for a column of nothing else."""
+    empty = np.isnan(values).all(axis=0)
+    return np.asarray(np.nanmedian(np.where(empty, 0.0, values), axis=0))
 
 
 def _independent(one: Followed) -> Floats:
     """Independent rows of each sensor's misfit, shape (n,)."""
-    misfit = one.lengths - one.gain * one.expected - one.zero
-    return np.array([0.0 if np.isnan(m).all() else independent_rows(m[:, None]) for m in misfit.T])
+    return np.array(
+        [0.0 if np.isnan(m).all() else independent_rows(m[:, None]) for m in one.misfit(False).T]
+    )
 
 
 def _shifted(

@@ -38,6 +38,8 @@ class Followed:
         expected: changes of length of the shapes, shape (N, n), metres; NaN where unknown.
         lengths: readings at nominal gain, shape (N, n), metres; NaN where missing or stuck.
         raw: the same with those that stick.
+        read: readings at nominal gain at the sensors' own times, shape (K, n), metres.
+        beside: changes of length at those times, shape (K, n), metres; NaN where unknown.
     """
 
     recording: Recording
@@ -45,6 +47,8 @@ class Followed:
     expected: Floats
     lengths: Floats
     raw: Floats
+    read: Floats
+    beside: Floats
 
     @property
     def gain(self) -> Floats:
@@ -70,6 +74,15 @@ class Followed:
     def noise(self) -> Floats:
         """One standard deviation of a reading, shape (n,), metres."""
         return self._learned("noise")
+
+    def misfit(self, own: bool) -> Floats:
+        """Readings less what was learned of them: at their own times, or at the reference's.
+
+        Returns:
+            Shape (K, n) or (N, n), metres; NaN where one of them is missing.
+        """
+        read, expected = (self.read, self.beside) if own else (self.lengths, self.expected)
+        return np.asarray(read - self.gain * expected - self.zero)
 
     def _learned(self, name: str) -> Floats:
         value = getattr(self.reference, name)
@@ -197,12 +210,15 @@ def _followed(joint: Joint, step: Floats, recording: Recording, reference: Refer
     counts, lengths = recording.counts, reference.lengths
     assert counts is not None
     assert lengths is not None
+    read, expected = counts.values * step, expected_changes(reference.state, response(joint))
     return Followed(
         recording=recording,
         reference=reference,
-        expected=expected_changes(reference.state, response(joint)),
+        expected=expected,
         lengths=lengths,
-        raw=sampled(counts.t, counts.values * step, reference.t + reference.delay_s),
+        raw=sampled(counts.t, read, reference.t + reference.delay_s),
+        read=read,
+        beside=sampled(reference.t, expected, counts.t - reference.delay_s),
     )
 
 
