@@ -48,7 +48,10 @@ def export(
 
     targets = _countable_targets() if cost else []
     table_is_lost = not cost and has_table(output)
-    done = write(joint_file, output)
+    with progress_bars() as report:
+        done = write(joint_file, output, report)
+    for text in done.notes:
+        note(text)
     warn(done.doubts)
     load = load_percent(done.layout, done.joint.can.bitrate)
     if load > 100.0:

@@ -1,5 +1,6 @@
 """`ccgen fit`: the weights of a joint's estimator and how well they do."""
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -7,8 +8,9 @@ import typer
 
 from ccgen.cli.choices import Method
 from ccgen.cli.fit_output import as_json, show_fit
-from ccgen.cli.output import print_json, warn
+from ccgen.cli.output import note, print_json, progress_bars, warn
 from ccgen.cli.plot import write_plot
+from ccgen.errors import ArgumentError
 
 if TYPE_CHECKING:
     from ccgen.fixedpoint import Fit
@@ -19,6 +21,14 @@ def fit(
     method: Annotated[
         Method | None, typer.Option("--method", help="Instead of the joint file's method.")
     ] = None,
+    write: Annotated[
+        bool,
+        typer.Option(
+            "--write",
+            help="Keep the fit beside the joint file, for `ccgen export` to give the same bytes of "
+            "the same files everywhere.",
+        ),
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
     plot: Annotated[
         Path | None,
@@ -31,12 +41,21 @@ def fit(
     Example:
       ccgen fit shoulder.toml --method equal --plot shapes.svg
     """
+    from ccgen.estimation.held_out import in_silence
     from ccgen.fixedpoint import fit as fitted_to
     from ccgen.joint.file import load
 
+    if write and method is not None:
+        raise ArgumentError(
+            "takes no part in what --write keeps; write estimator.method in the joint file",
+            "method",
+        )
     joint = load(joint_file)
-    fitted = fitted_to(joint, method)
-    axes = {axis: _figures(fitted, axis) for axis in fitted.weights}
+    with progress_bars() if joint.recordings else nullcontext(in_silence) as report:
+        fitted = fitted_to(joint, method, report=report)
+        if write:
+            fitted = _kept(fitted)
+        axes = {axis: _figures(fitted, axis) for axis in fitted.weights}
     if plot is not None:
         from ccgen.figures.case_study import case_study_figure
 
@@ -46,6 +65,15 @@ def fit(
         return
     show_fit(fitted, axes)
     warn(fitted.warnings)
+
+
+def _kept(fitted: "Fit") -> "Fit":
+    """The fit as it is kept beside the joint file from now on."""
+    from ccgen.fixedpoint.kept import rounded, write_fit
+
+    found = rounded(fitted)
+    note(f"wrote {write_fit(found)}")
+    return found
 
 
 def _figures(fitted: "Fit", axis: str) -> dict[str, Any]:

@@ -11,12 +11,12 @@ from ccgen.outputs import write_file
 FILE_NAME = "manifest.json"
 
 
-def manifest_json(name: str, inputs: dict[str, bytes], files: dict[str, bytes]) -> str:
+def manifest_json(name: str, inputs: dict[str, str], files: dict[str, bytes]) -> str:
     """Return the manifest's text.
 
     Args:
         name: of the joint.
-        inputs: content of what the folder was made from.
+        inputs: SHA-256 of what the folder was made from, by name.
         files: content by path below the folder, without the manifest itself.
     """
     record = {
@@ -24,7 +24,7 @@ def manifest_json(name: str, inputs: dict[str, bytes], files: dict[str, bytes]) 
         "version": __version__,
         "format": FORMAT_VERSION,
         "joint": name,
-        "inputs": {one: hashlib.sha256(inputs[one]).hexdigest() for one in sorted(inputs)},
+        "inputs": {one: inputs[one] for one in sorted(inputs)},
         "files": {path: hashlib.sha256(files[path]).hexdigest() for path in sorted(files)},
     }
     return json.dumps(record, indent=1) + "\n"

@@ -1,5 +1,6 @@
 """The exported folder: every file of it rendered in memory, then written whole or not at all."""
 
+import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,12 +9,15 @@ from typing import Any
 from ccgen import resources
 from ccgen.can.layout import FrameLayout, layout_for
 from ccgen.errors import ArgumentError, InputError
+from ccgen.estimation.held_out import Report, in_silence
+from ccgen.estimation.sources import CASES, LOADS, RECORDING
 from ccgen.export import context
 from ccgen.export.arrangement import arrangement_context
 from ccgen.export.dbc import dbc_text
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
 from ccgen.fixedpoint import Fit, FixedPointModel, fit, model_json
+from ccgen.fixedpoint.kept import Kept, inputs_of, kept_fit
 from ccgen.joint import AXES, Joint, Sensor
 from ccgen.joint.file import load, parse_joint
 from ccgen.outputs import new_folder
@@ -61,36 +65,59 @@ class Export:
     layout: FrameLayout
     doubts: tuple[str, ...] = ()
     """What is odd of the joint's numbers and of its fixed point, a sentence each."""
+    notes: tuple[str, ...] = ()
+    """What is to be said of the fit that was exported, a sentence each."""
 
 
-def export(fitted: Fit | Joint | str | Path, directory: str | Path) -> Export:
+def export(
+    fitted: Fit | Joint | str | Path, directory: str | Path, report: Report = in_silence
+) -> Export:
     """Write the folder for a joint; an older export in its place is replaced in one step.
 
     Args:
         fitted: a fit, which is exported as it was fitted; a joint, or the path of its file, which
-            is fitted first.
+            is fitted first unless its fit is kept beside the file (`ccgen.fixedpoint.kept`).
         directory: the folder to write.
+        report: told of progress where something takes long: what, steps done, steps in all.
 
     Raises:
         InputError: the joint's file is wrong, no format fits, or the folder cannot be written or
             holds files that are not ours.
     """
     joint = load(fitted) if isinstance(fitted, str | Path) else fitted
-    whole = joint if isinstance(joint, Fit) else fit(_expressible(joint))
-    layout, files = render(whole)
+    kept = None if isinstance(joint, Fit) else kept_fit(_expressible(joint))
+    if isinstance(joint, Fit):
+        whole = joint
+    elif kept is not None and kept.fit is not None:
+        whole = kept.fit
+    else:
+        whole = fit(joint, report=report)
+    layout, files = render(whole, kept)
     with new_folder(Path(directory), _only_ours) as folder:
         for path, content in files.items():
             target = folder / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(content)
     return Export(
-        Path(directory), tuple(sorted(files)), whole.joint, whole.model, layout, whole.doubts
+        directory=Path(directory),
+        files=tuple(sorted(files)),
+        joint=whole.joint,
+        model=whole.model,
+        layout=layout,
+        doubts=whole.doubts,
+        notes=() if kept is None else (kept.note,),
     )
 
 
-def render(fitted: Fit) -> tuple[FrameLayout, dict[str, bytes]]:
-    """The frames, and every file's content by path; the same input, the same bytes."""
+def render(fitted: Fit, kept: Kept | None = None) -> tuple[FrameLayout, dict[str, bytes]]:
+    """The frames, and every file's content by path; the same input, the same bytes.
+
+    Args:
+        fitted: what to export.
+        kept: where it comes from.
+    """
     joint, model = _expressible(fitted.joint), fitted.model
+    _check_expressible(fitted.sensed)
     layout = layout_for(joint, model)
     runtime = runtime_files()
     values: dict[str, Any] = {
@@ -119,18 +146,28 @@ def render(fitted: Fit) -> tuple[FrameLayout, dict[str, bytes]]:
     if joint.calibration_content:
         files[CALIBRATION_FILE] = joint.calibration_content
     files |= {path: text.encode("utf-8") for path, text in texts.items()}
-    files[FILE_NAME] = manifest_json(joint.name, _inputs(fitted), files).encode("utf-8")
+    files[FILE_NAME] = manifest_json(joint.name, _inputs(fitted, kept), files).encode("utf-8")
     return layout, files
 
 
-def _inputs(fitted: Fit) -> dict[str, bytes]:
-    """What the folder was made from: the joint's file, and shapes that it does not state."""
-    inputs = {"joint.toml": fitted.joint.content}
-    if set(fitted.shapes.source) != {"cases"}:
-        inputs["shapes"] = fitted.shapes.state.astype("<f8").tobytes()
-    if fitted.joint.calibration_content:
-        inputs[CALIBRATION_FILE] = fitted.joint.calibration_content
+def _inputs(fitted: Fit, kept: Kept | None) -> dict[str, str]:
+    """Fingerprints of what the folder was made from, by name.
+
+    They are the joint's file with all that it names, shapes that it does not state, and the file
+    of a fit that was kept.
+    """
+    inputs = inputs_of(fitted.joint)
+    if any(not _is_stated(name) for name in fitted.shapes.source):
+        shapes = fitted.shapes.state.astype("<f8").tobytes()
+        inputs["shapes"] = hashlib.sha256(shapes).hexdigest()
+    if kept is not None and kept.fit is not None:
+        inputs[kept.path.name] = kept.sha256
     return inputs
+
+
+def _is_stated(source: str) -> bool:
+    """Whether shapes follow from the joint's file and what it names."""
+    return source in (CASES, LOADS) or source.startswith(RECORDING)
 
 
 def _expressible(joint: Joint) -> Joint:

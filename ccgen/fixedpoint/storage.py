@@ -26,18 +26,17 @@ _SCALARS: dict[str, type] = {
 
 def model_json(model: FixedPointModel) -> str:
     """Return the model as JSON text; the same model gives the same text."""
-    return (
-        json.dumps(
-            {
-                "format": FORMAT_VERSION,
-                "name": model.name,
-                "precision": model.precision,
-                "axes": {name: _axis_record(axis) for name, axis in model.axes.items()},
-            },
-            indent=1,
-        )
-        + "\n"
-    )
+    return json.dumps(model_record(model), indent=1) + "\n"
+
+
+def model_record(model: FixedPointModel) -> dict[str, Any]:
+    """The model as what JSON can say."""
+    return {
+        "format": FORMAT_VERSION,
+        "name": model.name,
+        "precision": model.precision,
+        "axes": {name: _axis_record(axis) for name, axis in model.axes.items()},
+    }
 
 
 def load_model(path: Path) -> FixedPointModel:
@@ -53,17 +52,26 @@ def load_model(path: Path) -> FixedPointModel:
                 f"{path}: format: is {record['format']}, this ccgen reads {FORMAT_VERSION}; "
                 f"export the joint again"
             )
-        precision, axes = record["precision"], record["axes"]
-        if not set(axes) <= set(OUTPUT_AXES) or not set(axes) & set(OUTPUT_AXES[:2]):
-            raise ValueError(f"axes {', '.join(axes)}")
-        models = {name: _axis_model(name, precision, axes[name]) for name in axes}
-        return FixedPointModel(record["name"], precision, models)
+        return model_from_record(record)
     except OSError as error:
         raise InputError(
             f"{path}: {error.strerror}; name a folder that `ccgen export` wrote"
         ) from error
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{path}: damaged ({error}); export the joint again") from error
+
+
+def model_from_record(record: dict[str, Any]) -> FixedPointModel:
+    """The model that a record holds.
+
+    Raises:
+        KeyError, TypeError, ValueError, OverflowError: no record of a model.
+    """
+    precision, axes = record["precision"], record["axes"]
+    if not set(axes) <= set(OUTPUT_AXES) or not set(axes) & set(OUTPUT_AXES[:2]):
+        raise ValueError(f"axes {', '.join(axes)}")
+    models = {name: _axis_model(name, precision, axes[name]) for name in axes}
+    return FixedPointModel(record["name"], precision, models)
 
 
 def _axis_record(axis: AxisModel) -> dict[str, Any]:
