@@ -280,6 +280,25 @@ def errors_of(
     )
 
 
+@dataclass(frozen=True)
+class StandardDeviations:
+    """Root mean square errors of every estimated value and of the tip."""
+
+    axes: Mapping[str, tuple[float, ...]]
+    """By output axis, of each segment in radians, of each section as a share of its length."""
+    tip_m: float
+    """Distance, metres."""
+
+
+def standard_deviations(found: Missed | Pooled) -> StandardDeviations:
+    """Standard deviations of the estimate about the truth, rows without an estimate left out."""
+    axes = {}
+    for axis in found.joint.axes:
+        squares = np.square(found.known(axis)) + np.square(found.spread(axis))
+        axes[axis] = tuple(np.sqrt(np.nanmean(squares, axis=0)).tolist())
+    return StandardDeviations(axes, _rms(*_known(*found.tip)))
+
+
 def _known(error: Floats, spread: Floats) -> tuple[Floats, Floats]:
     """Errors and their spread where there is an estimate."""
     missing = np.isnan(error)

@@ -6,7 +6,15 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ccgen.errors import ReachError
-from ccgen.estimation.errors import ErrorRow, Missed, Pooled, errors_of, missed
+from ccgen.estimation.errors import (
+    ErrorRow,
+    Missed,
+    Pooled,
+    StandardDeviations,
+    errors_of,
+    missed,
+    standard_deviations,
+)
 from ccgen.estimation.fallback import fallback
 from ccgen.estimation.fit import Task
 from ccgen.estimation.held_out import Block, Choice, RecordedFit, Report, in_silence
@@ -132,6 +140,11 @@ class FittedWeights:
                 return self.recorded.judged(names.index(self.stated.name), True, choice)
         weights = self.weights if choice is None else choice(self.whole)
         return self.missed(self.stated, True, weights)
+
+    @cached_property
+    def standard_deviations(self) -> StandardDeviations:
+        """Of every estimated value and of the tip, on the shapes that say most of the joint."""
+        return standard_deviations(self.judged())
 
     def held_out(self, source: Source) -> bool:
         """Whether the weights were fitted without that source."""

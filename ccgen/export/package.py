@@ -14,6 +14,7 @@ from ccgen.estimation.sources import CASES, LOADS, RECORDING
 from ccgen.export import context
 from ccgen.export.arrangement import arrangement_context
 from ccgen.export.dbc import dbc_text
+from ccgen.export.errors_context import errors_context
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
 from ccgen.fixedpoint import Fit, FixedPointModel, fit, model_json
@@ -124,6 +125,7 @@ def render(fitted: Fit, kept: Kept | None = None) -> tuple[FrameLayout, dict[str
         **context.common_context(joint, fitted.method),
         **context.model_context(fitted),
         **context.can_context(layout, joint),
+        **errors_context(fitted),
         "drawing": arrangement_context(joint),
         **context.selftest_context(joint, model, fitted.shapes),
         "kinematics": kinematics_context(

@@ -18,7 +18,7 @@ import numpy as np
 from ccgen import __version__
 from ccgen.errors import InputError
 from ccgen.estimation.coupled import spans_of
-from ccgen.estimation.errors import ErrorRow, StationErrors
+from ccgen.estimation.errors import ErrorRow, StandardDeviations, StationErrors
 from ccgen.estimation.fit import Task
 from ccgen.estimation.fitted import Without
 from ccgen.estimation.sources import Source
@@ -171,6 +171,8 @@ def _record(fit: Fit) -> dict[str, Any]:
         "source": list(fit.shapes.source[every][:_SAMPLES]),
         "errors": [asdict(row) for row in fit.errors],
         "without": [asdict(row) for row in fit.without],
+        "standard_deviations": asdict(fit.standard_deviations),
+        "stated": fit.stated.name,
         "checks": [asdict(row) for row in fit.checks.sensors],
         "unchecked": list(fit.checks.notes),
         "warnings": list(fit.warnings),
@@ -187,7 +189,10 @@ def _fit(joint: Joint, record: dict[str, Any]) -> Fit:
     )
     method = str(record["method"])
     weights = {axis: _weights(sensed, axis, method, record["weights"][axis]) for axis in joint.axes}
-    fit = Fit(joint, method, weights, Task(sensed, [Source("kept", shapes, 1.0)]))
+    task = Task(sensed, [Source(str(record["stated"]), shapes, 1.0)])
+    fit = Fit(joint, method, weights, task)
+    std = record["standard_deviations"]
+    axes = {axis: tuple(map(float, std["axes"][axis])) for axis in joint.axes}
     guarded = guarded_model(model_from_record(record["guarded"]), record["guarded"])
     checks = JointChecks(
         guarded.groups,
@@ -203,6 +208,7 @@ def _fit(joint: Joint, record: dict[str, Any]) -> Fit:
         errors=tuple(_error_row(one) for one in record["errors"]),
         without=tuple(Without(**one) for one in record["without"]),
         warnings=tuple(map(str, record["warnings"])),
+        standard_deviations=StandardDeviations(axes, float(std["tip_m"])),
     )
     return fit
 
