@@ -10,10 +10,6 @@
 
 #include "ccgen/check.h"
 
-#if defined(__ARM_FEATURE_DSP)
-#include <arm_acle.h>
-#endif
-
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -39,8 +35,10 @@ CCGEN_INLINE int32_t ccgen_product16(const int32_t a, const int32_t b) {
 
 /** \return a b / 2^16, rounded down; b fits 16 bits. */
 CCGEN_INLINE int32_t ccgen_product_word(const int32_t a, const int32_t b) {
-#if defined(__ARM_FEATURE_DSP)
-    return __smulwb(a, b);
+#if defined(__GNUC__) && defined(__thumb2__) && defined(__ARM_FEATURE_DSP)
+    int32_t product;
+    __asm__("smulwb %0, %1, %2" : "=r"(product) : "r"(a), "r"(b));
+    return product;
 #elif CCGEN_LONG_PRODUCTS
     return CCGEN_CAST(int32_t, (CCGEN_CAST(int64_t, a) * b) >> 16);
 #else

@@ -1,0 +1,88 @@
+"""Compiled polynomials on emulated cores: the bits of the integer model."""
+
+import numpy as np
+import pytest
+from polynomials import CASES, drawn
+
+from ccgen import resources
+from ccgen.cost.emulator import CORES, Program
+from ccgen.cost.link import link
+from ccgen.polynomial import Compiled, c_files
+from ccgen.targets.compiler import WARNINGS
+from ccgen.targets.cores import core_named, require_tools
+
+ROWS = 60
+BUFFERS = f"""
+#include "cases.h"
+int32_t given[{ROWS * 16}], taken[{ROWS * 16}];
+"""
+LOOP = """
+int run_{name}(int rows);
+int run_{name}(int rows) {{
+    for (int row = 0; row < rows; ++row) {{
+        const int32_t *from = given + row * {inputs};
+        int32_t *to = taken + row * {outputs};
+        {declared}
+        {name}({passed});
+        {stored}
+    }}
+    return 0;
+}}
+"""
+
+
+def loop(found: Compiled) -> str:
+    """A C function that runs a compiled one on rows of `given`, in words, into `taken`."""
+    declared, passed, stored, place = [], [], [], 0
+    inputs, outputs = found.plan.inputs, [one for one, _ in found.plan.outputs]
+    for name in dict.fromkeys(one.name for one in inputs):
+        row = [one for one in inputs if one.name == name]
+        kind = f"int{row[0].bits}_t"
+        values = ", ".join(f"({kind})from[{place + k}]" for k in range(len(row)))
+        declared.append(f"const {kind} {name}[{len(row)}] = {{{values}}};")
+        passed.append(name if row[0].element is not None else f"{name}[0]")
+        place += len(row)
+    place = 0
+    for name in dict.fromkeys(one.name for one in outputs):
+        row = [one for one in outputs if one.name == name]
+        declared.append(f"int{row[0].bits}_t {name}[{len(row)}];")
+        passed.append(name)
+        stored += [f"to[{place + k}] = {name}[{k}];" for k in range(len(row))]
+        place += len(row)
+    return LOOP.format(
+        name=found.name, inputs=len(inputs), outputs=len(outputs), declared=" ".join(declared),
+        passed=", ".join(passed), stored=" ".join(stored),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def functions() -> dict[str, Compiled]:
+    return {name: case.compiled() for name, case in CASES.items()}
+
+
+@pytest.mark.parametrize(
+    ("core", "level"),
+    [("cortex-m0", "-O0"), ("cortex-m0", "-O2"), ("cortex-m3", "-O2"), ("cortex-m4", "-Os"),
+     ("cortex-m4", "-O2"), ("riscv32", "-O2")],
+)  # fmt: skip
+def test_every_core_gives_the_models_bits(functions, core, level, tmp_path):
+    for file, text in c_files("cases", list(functions.values())).items():
+        (tmp_path / file).write_text(text)
+    (tmp_path / "loops.c").write_text(BUFFERS + "".join(map(loop, functions.values())))
+    target = core_named(core)
+    require_tools(target)
+    compiler = [
+        *target.compile, "-std=c99", level, *WARNINGS, f"-I{resources.firmware() / 'include'}",
+    ]  # fmt: skip
+    files = [tmp_path / "cases.c", tmp_path / "loops.c"]
+    roots = ["given", "taken", *(f"run_{name}" for name in functions)]
+    program = Program(link(compiler, files, roots, tmp_path / "cases.elf"), CORES[core])
+    for name, found in functions.items():
+        values = drawn(found, ROWS)
+        columns = [values[key].reshape(ROWS, -1) for key in dict.fromkeys(values)]
+        program.write("given", np.concatenate(columns, axis=1).astype("<i4").tobytes())
+        assert program.call(f"run_{name}", (ROWS,), counted=False).result == 0
+        expected = [array.reshape(ROWS, -1) for array in found.evaluate(values).values()]
+        table = np.concatenate(expected, axis=1)
+        taken = np.frombuffer(program.read("taken", 4 * table.size), "<i4")
+        np.testing.assert_array_equal(taken.reshape(table.shape), table, name)
