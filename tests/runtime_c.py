@@ -124,6 +124,10 @@ class Layout(ctypes.Structure):
         ("angle_bytes", ctypes.c_uint8),
         ("cycle_us", ctypes.c_uint32),
         ("window_us", ctypes.c_uint32),
+        ("fingerprint", ctypes.c_uint16),
+        ("publish", ctypes.c_uint8),
+        ("rate_switch", ctypes.c_bool),
+        ("commands", ctypes.c_bool),
     )
 
 

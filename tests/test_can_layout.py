@@ -37,6 +37,8 @@ layouts = st.builds(
     cycle_ms=st.integers(1, 1000),
     tip_fraction_bits=st.integers(0, 20),
     turn=st.booleans(),
+    publish=st.sampled_from(((), ("tip", "status"), ("angles", "tip", "status", "health"))),
+    commands=st.booleans(),
 )
 
 
@@ -47,9 +49,44 @@ def test_twelve_segments_with_three_sensors_take_two_frames_in_and_ten_out():
         *(f"SHOULDER_ANGLES_{k}" for k in range(8)),
         "SHOULDER_TIP",
         "SHOULDER_STATUS",
+        "SHOULDER_HEALTH",
+        "SHOULDER_COMMAND",
     ]
-    assert [frame.id for frame in LAYOUT.frames] == list(range(0x300, 0x30C))
-    assert (LAYOUT.lengths_frames, LAYOUT.answer_frames, LAYOUT.last_id) == (2, 10, 0x30B)
+    assert [frame.id for frame in LAYOUT.frames] == list(range(0x300, 0x30E))
+    assert (LAYOUT.lengths_frames, LAYOUT.answer_frames, LAYOUT.last_id) == (2, 10, 0x30D)
+
+
+@pytest.mark.parametrize("published", [(), ("tip",), ("angles", "health"), ("status",)])
+def test_what_is_left_out_keeps_its_identifier(published):
+    layout = replace(LAYOUT, publish=published, commands=True)
+    assert [(f.id, f.name) for f in layout.frames] == [(f.id, f.name) for f in LAYOUT.frames]
+    kinds = {frame.kind for frame in layout.used_frames}
+    assert kinds == {"lengths", "command", *published}
+    assert layout.numbered_frames == 8 * ("angles" in published) + ("tip" in published)
+    assert layout.answer_frames == layout.numbered_frames + ("status" in published)
+
+
+def test_a_command_is_no_frame_of_a_joint_that_obeys_none():
+    assert [frame.kind for frame in LAYOUT.used_frames[-2:]] == ["status", "health"]
+
+
+def test_health_lies_in_six_bytes_as_the_runtime_writes_it():
+    places = {s.name: (s.start, s.bits) for s in LAYOUT.frames_of("health")[0].payload}
+    assert places == {
+        "fingerprint": (16, 16),
+        "suspected_sensors": (32, 16),
+        "axis_u": (48, 2),
+        "axis_v": (50, 2),
+        "axis_h": (52, 2),
+        "zero": (54, 2),
+        "last_command": (56, 4),
+        "result": (60, 4),
+    }
+
+
+def test_a_command_lies_as_the_runtime_reads_it():
+    places = {s.name: (s.start, s.bits) for s in LAYOUT.frames_of("command")[0].payload}
+    assert places == {"number": (16, 4), "command": (20, 4), "snapshots": (24, 8)}
 
 
 def test_u_comes_before_v_in_one_list_across_frames():
@@ -61,7 +98,7 @@ def test_u_comes_before_v_in_one_list_across_frames():
 
 
 def test_status_lies_as_the_runtime_writes_it():
-    places = {s.name: (s.start, s.bits) for s in LAYOUT.frames[-1].signals}
+    places = {s.name: (s.start, s.bits) for s in LAYOUT.frames_of("status")[0].signals}
     assert places == {
         "crc": (0, 8),
         "counter": (8, 4),
@@ -73,7 +110,7 @@ def test_status_lies_as_the_runtime_writes_it():
 
 
 def test_can_fd_puts_the_same_status_behind_three_header_bytes():
-    places = {s.name: s.start for s in replace(LAYOUT, fd=True).frames[-1].signals}
+    places = {s.name: s.start for s in replace(LAYOUT, fd=True).frames_of("status")[0].signals}
     assert places == {
         "crc": 0, "counter": 16, "sample_counter": 24, "missing_sensors": 40, "faults": 56,
         "age": 64,
@@ -83,14 +120,17 @@ def test_can_fd_puts_the_same_status_behind_three_header_bytes():
 def test_can_fd_holds_thirty_angles_a_frame():
     fd = replace(LAYOUT, fd=True)
     assert fd.angles_per_frame == 30
-    assert [frame.kind for frame in fd.frames] == ["lengths", "angles", "tip", "status"]
+    assert [frame.kind for frame in fd.frames] == [
+        "lengths", "angles", "tip", "status", "health", "command",
+    ]  # fmt: skip
 
 
-def test_the_turn_stands_beside_the_counter_in_all_but_status():
+def test_the_turn_stands_beside_the_counter_of_snapshots_and_their_answers():
     places = {
         frame.kind: {s.name: (s.start, s.bits) for s in frame.signals} for frame in LAYOUT.frames
     }
     assert all(places[kind]["turn"] == (12, 4) for kind in ("lengths", "angles", "tip"))
+    assert not any("turn" in places[kind] for kind in ("status", "health", "command"))
     for layout in (replace(LAYOUT, turn=False), replace(LAYOUT, fd=True)):
         assert not any(s.name == "turn" for frame in layout.frames for s in frame.signals)
 
@@ -159,11 +199,11 @@ def test_tip_scale_stays_within_what_the_runtime_takes():
 
 
 def test_identifiers_beyond_the_bus_are_refused_with_the_highest_base():
-    joint = replace(JOINT, can=replace(JOINT.can, base_id=0x7F5))
+    joint = replace(JOINT, can=replace(JOINT.can, base_id=0x7F3))
     with pytest.raises(InputError) as refused:
         layout_for(joint, NARROW)
     assert str(refused.value) == (
-        "shoulder.toml: can.base_id: 12 frames from 0x7f5 on exceed the last identifier 0x7ff; "
-        "at most 0x7f4 would fit"
+        "shoulder.toml: can.base_id: 14 frames from 0x7f3 on exceed the last identifier 0x7ff; "
+        "at most 0x7f2 would fit"
     )
-    assert layout_for(replace(JOINT, can=replace(JOINT.can, base_id=0x7F4)), NARROW)
+    assert layout_for(replace(JOINT, can=replace(JOINT.can, base_id=0x7F2)), NARROW)

@@ -56,5 +56,11 @@ def test_no_bits_make_a_standard_frame_longer(bits):
 
 def test_a_snapshot_takes_the_frames_there_and_back():
     assert snapshot_us(LAYOUT, 500_000) == 12 * 270.0
-    assert load_percent(LAYOUT, 1_000_000) == pytest.approx(16.2)
-    assert load_percent(replace(LAYOUT, cycle_ms=1), 1_000_000) == pytest.approx(162.0)
+    assert snapshot_us(replace(LAYOUT, publish=("angles",)), 500_000) == 10 * 270.0
+
+
+def test_health_adds_a_frame_every_tenth_of_a_second():
+    without = replace(LAYOUT, publish=("angles", "tip", "status"), commands=True)
+    assert load_percent(without, 1_000_000) == pytest.approx(16.2)
+    assert load_percent(replace(without, cycle_ms=1), 1_000_000) == pytest.approx(162.0)
+    assert load_percent(LAYOUT, 1_000_000) == pytest.approx(16.2 + 0.135)

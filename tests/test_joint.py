@@ -475,17 +475,29 @@ def test_wrong_values_are_refused(key, value, says):
             "such as cycle_ms = 10",
         ),
         (
+            '[can]\npublish = ["angels"]',
+            'can.publish[0]: "angels" is unknown; did you mean "angles"?',
+        ),
+        (
+            '[can]\npublish = ["tip", "status", "tip"]',
+            'can.publish: names "tip" twice; write each kind once',
+        ),
+        (
+            "[can]\nrate_switch = true",
+            "can.rate_switch: true, but classic CAN has one bit rate; leave it out, or fd = true",
+        ),
+        (
             "[can]\nbase_id = 0x7f5",
-            "can.base_id: 12 frames from 0x7f5 on exceed 11 bits; write at most 0x7f4, "
+            "can.base_id: 14 frames from 0x7f5 on exceed 11 bits; write at most 0x7f2, "
             "or extended = true",
         ),
         (
             "[can]\nbase_id = 0x1fffffff\nextended = true",
-            "can.base_id: 12 frames from 0x1fffffff on exceed 29 bits; write at most 0x1ffffff4",
+            "can.base_id: 14 frames from 0x1fffffff on exceed 29 bits; write at most 0x1ffffff2",
         ),
         (
             "[can]\nfd = true\nbase_id = 0x7fd",
-            "can.base_id: 4 frames from 0x7fd on exceed 11 bits; write at most 0x7fc, "
+            "can.base_id: 6 frames from 0x7fd on exceed 11 bits; write at most 0x7fa, "
             "or extended = true",
         ),
         ("[[can]]", "can: [{}] is a list; write a table, such as [can]"),
@@ -495,7 +507,7 @@ def test_wrong_tables_are_refused(lines, says):
     assert refusal(end=lines) == says
 
 
-@pytest.mark.parametrize("base_id", ["0x7f4", "0"])
+@pytest.mark.parametrize("base_id", ["0x7f2", "0"])
 def test_identifiers_may_reach_the_last_one(base_id):
     assert joint_with(end=f"[can]\nbase_id = {base_id}").can.base_id == int(base_id, 0)
 

@@ -1,8 +1,12 @@
-"""What has come so far of a node's answers: the frames of a snapshot, the stream of statuses."""
+"""What has come of a node's answers: a snapshot's frames, and frames that count themselves."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
-from ccgen.can.codec import Decoded, Status, status_of
+from ccgen.can.codec import Decoded
+
+Content = TypeVar("Content")
 
 
 @dataclass
@@ -12,7 +16,7 @@ class PendingAnswer:
     Attributes:
         index: of the snapshot.
         sent: when, seconds of the monotonic clock.
-        angles: values of each ANGLES frame, None until it comes.
+        angles: values of each ANGLES frame that the node publishes, None until it comes.
         tip: values of the TIP frame, None until it comes.
         received: frames that came.
     """
@@ -36,23 +40,25 @@ class PendingAnswer:
 
 
 @dataclass
-class StatusStream:
-    """The STATUS frames, which carry a counter of their own.
+class CountedStream(Generic[Content]):
+    """The STATUS or the HEALTH frames, which carry a counter of their own.
 
     Attributes:
         modulus: of that counter.
-        seen: statuses in order.
+        content: what a frame says.
+        seen: contents in order.
         lost: frames that the counter shows to be missing.
     """
 
     modulus: int
-    seen: list[Status] = field(default_factory=list)
+    content: Callable[[Decoded], Content]
+    seen: list[Content] = field(default_factory=list)
     lost: int = 0
     counter: int | None = None
 
     def take(self, decoded: Decoded) -> None:
-        """Append a status and count those between it and the one before."""
+        """Append a frame's content and count the frames between it and the one before."""
         if self.counter is not None:
             self.lost += (decoded.number - self.counter - 1) % self.modulus
         self.counter = decoded.number
-        self.seen.append(status_of(decoded))
+        self.seen.append(self.content(decoded))

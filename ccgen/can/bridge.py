@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from ccgen.can.codec import Codec
 from ccgen.can.exchange import Answer, Exchange, Pace, exchange, fresh_start
+from ccgen.can.fingerprint import fingerprint
 from ccgen.can.layout import FAULTS, tip_fraction_bits
+from ccgen.errors import InputError
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts as counts_at
@@ -111,6 +113,7 @@ class Summary:
         faults: names of the faults that the node reported.
         error_percent_rom: per axis, over the answered snapshots; None without any.
         gone: as of `Exchange`.
+        stranger: what tells that the node is of another model; empty where it is not.
     """
 
     source: str
@@ -125,11 +128,13 @@ class Summary:
     faults: tuple[str, ...]
     error_percent_rom: dict[str, AxisError] | None
     gone: str = ""
+    stranger: str = ""
 
     @property
     def passed(self) -> bool:
         """Whether every frame came and every angle is the reference model's."""
-        complete = self.answered > 0 and self.lost_frames == 0 and not self.gone
+        whole = self.answered > 0 and self.lost_frames == 0
+        complete = whole and not self.gone and not self.stranger
         return complete and self.mismatches == 0
 
     def record(self) -> dict[str, Any]:
@@ -147,12 +152,22 @@ def bridge(
     """Send a stream at its rate and sum up what came back.
 
     A sender that ran before on this bus may have been another: see `fresh_start`.
+
+    Raises:
+        InputError: the joint does not publish its angles.
     """
+    if not codec.layout.publishes("angles"):
+        raise InputError(
+            f'{stream.joint.source}: can.publish: leaves out "angles", which bridge compares; '
+            "publish them"
+        )
     pace = fresh_start(codec.layout, Pace(rate_hz=stream.rate_hz))
-    return _summary(stream, transport, exchange(bus, codec, stream.counts, pace, on_answer))
+    result = exchange(bus, codec, stream.counts, pace, on_answer)
+    own = fingerprint(stream.model, codec.layout) & 0xFFFF
+    return _summary(stream, transport, result, own)
 
 
-def _summary(stream: Stream, transport: str, result: Exchange) -> Summary:
+def _summary(stream: Stream, transport: str, result: Exchange, own: int) -> Summary:
     answered = result.complete
     wanted = stream.model.estimate(stream.counts[answered])
     return Summary(
@@ -168,6 +183,7 @@ def _summary(stream: Stream, transport: str, result: Exchange) -> Summary:
         faults=tuple(name for bit, name in enumerate(FAULTS) if result.faults >> bit & 1),
         error_percent_rom=_errors(stream, result) if answered.any() else None,
         gone=result.gone,
+        stranger=result.stranger(own),
     )
 
 

@@ -27,7 +27,7 @@ class Decoded:
     Attributes:
         kind: which sort of frame.
         index: which one of its kind, from 0.
-        number: of its snapshot; a STATUS frame's own counter.
+        number: of its snapshot; the own counter of STATUS, HEALTH and COMMAND frames.
         values: the payload's raw values in the order of the layout.
     """
 
@@ -45,6 +45,20 @@ class Status:
     missing_sensors: int
     faults: int
     age_ms: int
+
+
+@dataclass(frozen=True)
+class Health:
+    """A decoded HEALTH frame: what `ccgen.can.layout` says of its signals."""
+
+    fingerprint: int
+    suspected_sensors: int
+    axis_u: int
+    axis_v: int
+    axis_h: int
+    zero: int
+    last_command: int
+    result: int
 
 
 @dataclass(frozen=True)
@@ -169,6 +183,7 @@ class Codec:
             arbitration_id=entry.spec.id,
             is_extended_id=self.layout.extended,
             is_fd=self.layout.fd,
+            bitrate_switch=self.layout.rate_switch,
             data=self._profile.protect(entry.spec.data_id, counter, data),
         )
 
@@ -178,9 +193,14 @@ def status_of(decoded: Decoded) -> Status:
     return Status(*decoded.values)
 
 
+def health_of(decoded: Decoded) -> Health:
+    """Return the fields of a decoded HEALTH frame."""
+    return Health(*decoded.values)
+
+
 def _entries(layout: FrameLayout, database: Database) -> list[_Entry]:
     found: list[_Entry] = []
-    for spec in layout.frames:
+    for spec in layout.used_frames:
         try:
             message = database.get_message_by_name(spec.name)
         except KeyError as error:

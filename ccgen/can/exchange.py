@@ -3,7 +3,8 @@
 The node answers a snapshot with its ANGLES frames and TIP, under the snapshot's number. A frame
 is lost when it has not come by the time a later snapshot is answered in full, or when the time-out
 passes. STATUS frames come with every answer and, once a cycle, without one; they count themselves,
-so one is lost where their counter jumps, or where none ever reports the last snapshot.
+so one is lost where their counter jumps, or where none ever reports the last snapshot; HEALTH
+frames count themselves too. What the joint does not publish is not waited for.
 
 Each exchange is a sender that starts anew: it keeps silent for a window of the layout before its
 first frame. Where the node may have a wider one, `Pace.first` must be a number that the bus has
@@ -20,10 +21,11 @@ import can
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.can.answers import PendingAnswer, StatusStream
-from ccgen.can.codec import Codec, Status
+from ccgen.can.answers import CountedStream, PendingAnswer
+from ccgen.can.codec import Codec, Health, Status, health_of, status_of
 from ccgen.can.layout import FrameLayout
 from ccgen.can.transports.slcan import BlockSlcanBus
+from ccgen.errors import InputError
 
 Integers = NDArray[np.int64]
 
@@ -62,8 +64,8 @@ class Answer:
 
     Attributes:
         index: of the snapshot.
-        angles: 2m raw angles, u segments first.
-        tip: 3 raw coordinates.
+        angles: 2m raw angles, u segments first; none where they are not published.
+        tip: 3 raw coordinates; none where it is not published.
         lost_frames: in this exchange so far.
         status: the latest; None before the first.
     """
@@ -87,6 +89,7 @@ class Exchange:
         tips: shape (k, 3), raw tip coordinates.
         complete: shape (k,), whether all ANGLES frames and TIP came.
         statuses: every STATUS frame in order.
+        healths: every HEALTH frame in order.
         lost_frames: expected frames that did not come.
         corrupted: frames that came but failed their checks; each is lost as well.
         unexpected: frames in answer to no snapshot in flight: repeated or too late.
@@ -98,6 +101,7 @@ class Exchange:
     tips: Integers
     complete: NDArray[np.bool_]
     statuses: tuple[Status, ...]
+    healths: tuple[Health, ...]
     lost_frames: int
     corrupted: int
     unexpected: int
@@ -118,6 +122,13 @@ class Exchange:
     def faults(self) -> int:
         """Every fault bit that some status reported."""
         return reduce(or_, (status.faults for status in self.statuses), 0)
+
+    def stranger(self, fingerprint: int) -> str:
+        """What tells that the node is not of the model with this fingerprint; else empty."""
+        others = {health.fingerprint for health in self.healths} - {fingerprint}
+        if not others:
+            return ""
+        return f"the node is of another model ({min(others):#06x}, not {fingerprint:#06x})"
 
 
 def fresh_start(layout: FrameLayout, pace: Pace) -> Pace:
@@ -151,9 +162,14 @@ def exchange(
         on_answer: called with each answer when it is complete.
 
     Raises:
+        InputError: the joint publishes neither angles nor tip.
         ValueError: as many snapshots in flight as the counter can tell apart, or none; a count
             that does not fit the frame.
     """
+    if not codec.layout.numbered_frames:
+        raise InputError(
+            'can.publish: without "angles" or "tip" a node answers no snapshot; publish one of them'
+        )
     run = _Run(bus, codec, counts, pace or Pace(), on_answer)
     run.listen_for_status()
     run.stream()
@@ -179,9 +195,10 @@ class _Run:
         self.angles = np.zeros((len(self.counts), 2 * layout.segments), dtype=np.int64)
         self.tips = np.zeros((len(self.counts), 3), dtype=np.int64)
         self.complete = np.zeros(len(self.counts), dtype=np.bool_)
-        self.answer_frames = layout.angles_frames + 1
+        self.answer_frames = layout.numbered_frames
         self.pending: dict[int, PendingAnswer] = {}
-        self.statuses = StatusStream(layout.counter_modulus)
+        self.statuses = CountedStream(layout.counter_modulus, status_of)
+        self.healths = CountedStream(layout.counter_modulus, health_of)
         self.sent = self.answered = self.failed = self.lost = self.unexpected = 0
         self.refused = self._refused()
         self.begin = self.end = 0.0
@@ -195,6 +212,8 @@ class _Run:
         now = time.perf_counter()
         quiet = now + (1e-6 * self.layout.window_us if silence is None else silence)
         patience = max(quiet, now + self.pace.timeout + cycles)
+        if not self.layout.publishes("status"):
+            patience = quiet
         while now < (patience if self.first_sample is None else quiet) and not self._gone():
             self._receive(cycles if self.first_sample is None else quiet - now)
             if self.statuses.seen:
@@ -219,7 +238,7 @@ class _Run:
 
     def wait_for_last_status(self) -> None:
         """Wait for the status that reports the last snapshot; one is lost if it never comes."""
-        if not self.answered:
+        if not self.answered or not self.layout.publishes("status"):
             return
         patience = time.perf_counter() + self.pace.timeout
         while not self._reported():
@@ -235,7 +254,8 @@ class _Run:
             tips=self.tips,
             complete=self.complete,
             statuses=tuple(self.statuses.seen),
-            lost_frames=self.lost + self.statuses.lost,
+            healths=tuple(self.healths.seen),
+            lost_frames=self._lost(),
             corrupted=self._refused() - self.refused,
             unexpected=self.unexpected,
             seconds=self.end - self.begin,
@@ -243,7 +263,8 @@ class _Run:
         )
 
     def _gone(self) -> bool:
-        rounds = _FAILED_ROUNDS if self.statuses.seen or self.answered else 0
+        heard = self.statuses.seen or self.healths.seen or self.answered
+        rounds = _FAILED_ROUNDS if heard else 0
         return bool(self.gone) or self.failed > rounds * self.pace.in_flight
 
     def _refused(self) -> int:
@@ -283,7 +304,8 @@ class _Run:
     def _send(self, now: float) -> None:
         number = self._number(self.sent)
         frames = self.codec.encode(self.counts[self.sent], number)
-        self.pending[number] = PendingAnswer(self.sent, now, [None] * (self.answer_frames - 1))
+        angles = self.answer_frames - self.layout.publishes("tip")
+        self.pending[number] = PendingAnswer(self.sent, now, [None] * angles)
         self.sent += 1
         try:
             if isinstance(self.bus, BlockSlcanBus):
@@ -301,10 +323,13 @@ class _Run:
             self.gone = _reason(error)  # nothing more will come
             return
         decoded = self.codec.decode(message) if message is not None else None
-        if decoded is None or decoded.kind == "lengths":
+        if decoded is None or decoded.kind in ("lengths", "command"):
             return
         if decoded.kind == "status":
             self.statuses.take(decoded)
+            return
+        if decoded.kind == "health":
+            self.healths.take(decoded)
             return
         pending = self.pending.get(decoded.number)
         if pending is None or not pending.store(decoded):
@@ -319,13 +344,17 @@ class _Run:
         self._close(pending)
         angles = tuple([angle for part in pending.angles for angle in part or ()])
         tip = pending.tip or ()
-        self.angles[pending.index] = angles
-        self.tips[pending.index] = tip
+        if self.layout.publishes("angles"):
+            self.angles[pending.index] = angles
+        if self.layout.publishes("tip"):
+            self.tips[pending.index] = tip
         self.complete[pending.index] = True
         if self.on_answer is not None:
             status = self.statuses.seen[-1] if self.statuses.seen else None
-            lost = self.lost + self.statuses.lost
-            self.on_answer(Answer(pending.index, angles, tip, lost, status))
+            self.on_answer(Answer(pending.index, angles, tip, self._lost(), status))
+
+    def _lost(self) -> int:
+        return self.lost + self.statuses.lost + self.healths.lost
 
     def _close(self, pending: PendingAnswer) -> None:
         del self.pending[self._number(pending.index)]

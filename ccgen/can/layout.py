@@ -1,15 +1,16 @@
 """Which signal lies where in which frame: the Python mirror of `ccgen/layout.h`.
 
 A joint owns consecutive identifiers from `base_id`: the LENGTHS frames that sensors send, the
-ANGLES frames that the node answers with, one TIP and one STATUS frame. All frames have one
-length (8 bytes, or 64 on CAN FD) and open with the header of an end-to-end profile: P01 on
-classic CAN (CRC-8, 4-bit counter), P05 on CAN FD (CRC-16, 8-bit counter). Signals follow the
+ANGLES frames that the node answers with, one TIP, one STATUS, one HEALTH and one COMMAND frame. All
+frames have one length (8 bytes, or 64 on CAN FD) and open with the header of an end-to-end profile:
+P01 on classic CAN (CRC-8, 4-bit counter), P05 on CAN FD (CRC-16, 8-bit counter). Signals follow the
 header without gaps, little-endian; bytes left over are zero. The most negative value of a signed
-signal means: no reading.
+signal means: no reading. What a joint does not publish, or obey, keeps its identifier.
 
 Every sending of the sensors has a number, which LENGTHS, ANGLES and TIP carry: on CAN FD the
 counter; on classic CAN `turn * 15 + counter`, where the turn lies in the nibble that P01 leaves to
-the payload, or the counter alone where senders cannot set it. A STATUS frame counts itself.
+the payload, or the counter alone where senders cannot set it. STATUS and HEALTH frames count
+themselves; the counter of a COMMAND is its sender's.
 """
 
 from collections.abc import Iterable, Iterator
@@ -19,11 +20,13 @@ from typing import Literal, Protocol
 
 from ccgen.errors import InputError
 from ccgen.joint import Joint
+from ccgen.joint.specification import OUTPUT_AXES, PUBLISHED
 
-Kind = Literal["lengths", "angles", "tip", "status"]
+Kind = Literal["lengths", "angles", "tip", "status", "health", "command"]
 Quantity = Literal[
     "crc", "counter", "turn", "length_u", "length_v", "angle_u", "angle_v", "tip",
-    "sample_counter", "missing_sensors", "faults", "age",
+    "sample_counter", "missing_sensors", "faults", "age", "fingerprint", "suspected_sensors",
+    "axis_state", "zero_state", "command_number", "command_result", "command", "command_snapshots",
 ]  # fmt: skip
 
 FAULT_MEANINGS = {
@@ -40,6 +43,34 @@ FAULT_MEANINGS = {
 
 FAULTS = tuple(FAULT_MEANINGS)
 """Names of those bits."""
+
+AXIS_STATES = ("good", "degraded", "lost", "not estimated")
+"""What the two bits of an axis in HEALTH say, from 0."""
+
+ZERO_STATES = ("of the model", "captured", "restored")
+"""Whose zeros the node estimates with, as HEALTH says it, from 0."""
+
+COMMANDS = {
+    1: "capture the zero from the next snapshots",
+    2: "back to the zero of the model",
+    3: "back to the zero that was restored last",
+}
+"""What COMMAND asks for."""
+
+RESULT_MEANINGS = {
+    "NONE": "no command yet",
+    "DONE": "done",
+    "BUSY": "capturing",
+    "SILENCE": "no complete snapshot for a second; nothing changed",
+    "MOVING": "the joint moved; nothing changed",
+    "RANGE": "a reading is too near an end of its range for a zero; nothing changed",
+    "UNKNOWN": "no such command, or no snapshots; nothing changed",
+    "NOTHING": "no zero was restored that could be gone back to; nothing changed",
+}
+"""What became of the last command, as HEALTH says it, from 0."""
+
+HEALTH_MS = 100
+"""Longest time between two HEALTH frames, milliseconds."""
 
 WINDOW_CYCLES = 100
 """Widest window of a snapshot in cycles: a frame may be late by half the numbers, and a window must
@@ -107,6 +138,9 @@ class FrameLayout:
     cycle_ms: int
     tip_fraction_bits: int
     turn: bool = True
+    publish: tuple[str, ...] = PUBLISHED
+    rate_switch: bool = False
+    commands: bool = False
 
     @property
     def frame_bytes(self) -> int:
@@ -189,19 +223,36 @@ class FrameLayout:
         return -(-2 * self.segments // self.angles_per_frame)
 
     @property
+    def numbered_frames(self) -> int:
+        """Frames of an answer that carry the number of their snapshot: angles and tip."""
+        return self.angles_frames * self.publishes("angles") + self.publishes("tip")
+
+    @property
     def answer_frames(self) -> int:
         """Frames with which a node answers one snapshot: angles, tip and status."""
-        return self.angles_frames + 2
+        return self.numbered_frames + self.publishes("status")
 
     @property
     def last_id(self) -> int:
-        """The highest identifier of the joint, that of its STATUS frame."""
-        return self.base_id + self.lengths_frames + self.angles_frames + 1
+        """The highest identifier of the joint, that of its COMMAND frame."""
+        return self.base_id + self.lengths_frames + self.angles_frames + 3
 
     @cached_property
     def frames(self) -> tuple[FrameSpec, ...]:
-        """Every frame in the order of the identifiers: LENGTHS, ANGLES, TIP, STATUS."""
+        """Every frame in the order of the identifiers, with those that are left out."""
         return tuple(self._frames())
+
+    @property
+    def used_frames(self) -> tuple[FrameSpec, ...]:
+        """The frames that are met on the bus."""
+        return tuple(frame for frame in self.frames if self._uses(frame.kind))
+
+    def publishes(self, kind: Kind) -> bool:
+        """Return whether the node sends frames of this kind."""
+        return kind in self.publish
+
+    def _uses(self, kind: Kind) -> bool:
+        return kind == "lengths" or self.publishes(kind) or (kind == "command" and self.commands)
 
     def frames_of(self, kind: Kind) -> tuple[FrameSpec, ...]:
         """Return the frames of one kind in the order of the identifiers."""
@@ -220,13 +271,15 @@ class FrameLayout:
                 next_id += 1
         yield self._frame(next_id, "tip", "", ((f"tip_{x}", "tip", 16, True) for x in "xyz"))
         yield self._frame(next_id + 1, "status", "", _STATUS)
+        yield self._frame(next_id + 2, "health", "", _HEALTH)
+        yield self._frame(next_id + 3, "command", "", _COMMAND)
 
     def _frame(
         self, frame_id: int, kind: Kind, suffix: str, payload: Iterable["_Field"]
     ) -> FrameSpec:
         name = f"{self.name.upper()}_{kind.upper()}{suffix}"
         header = _P05_HEADER if self.fd else _P01_HEADER
-        if self.has_turn and kind != "status":
+        if self.has_turn and kind in ("lengths", "angles", "tip"):
             header = (*header, _TURN)
         signals = (*header, *_packed(8 * self.header_bytes, payload))
         return FrameSpec(frame_id, name, kind, signals)
@@ -250,6 +303,19 @@ _STATUS: tuple[_Field, ...] = (
     ("missing_sensors", "missing_sensors", 16, False),
     ("faults", "faults", 8, False),
     ("age", "age", 8, False),
+)
+_HEALTH: tuple[_Field, ...] = (
+    ("fingerprint", "fingerprint", 16, False),
+    ("suspected_sensors", "suspected_sensors", 16, False),
+    *((f"axis_{axis}", "axis_state", 2, False) for axis in OUTPUT_AXES),
+    ("zero", "zero_state", 2, False),
+    ("last_command", "command_number", 4, False),
+    ("result", "command_result", 4, False),
+)
+_COMMAND: tuple[_Field, ...] = (
+    ("number", "command_number", 4, False),
+    ("command", "command", 4, False),
+    ("snapshots", "command_snapshots", 8, False),
 )
 
 
@@ -312,6 +378,9 @@ def layout_for(joint: Joint, ranges: CountRanges) -> FrameLayout:
         cycle_ms=joint.can.cycle_ms,
         tip_fraction_bits=tip_fraction_bits(joint.geometry.length),
         turn=joint.can.turn,
+        publish=joint.can.publish,
+        rate_switch=joint.can.rate_switch,
+        commands=joint.can.commands,
     )
     largest = LARGEST_ID[layout.extended]
     if layout.last_id > largest:

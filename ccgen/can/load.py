@@ -1,6 +1,6 @@
-"""How much of a bus a joint takes: frames of one cycle, each as long as stuffing can make it."""
+"""How much of a bus a joint takes: its frames, each as long as stuffing can make it."""
 
-from ccgen.can.layout import FrameLayout
+from ccgen.can.layout import HEALTH_MS, FrameLayout
 
 _CLASSIC_BITS = {False: 34, True: 54}
 """Stuffed bits of a classic frame beside its data, standard and extended: SOF to CRC."""
@@ -33,12 +33,20 @@ def snapshot_us(layout: FrameLayout, bitrate: int) -> float:
     On CAN FD without the faster bit rate for data, which adapters set by themselves.
 
     Args:
-        layout: the joint's frames; every one of them is sent once a cycle.
+        layout: the joint's frames.
         bitrate: bits per second.
     """
-    return len(layout.frames) * frame_bits(layout) * 1e6 / bitrate
+    return (layout.lengths_frames + layout.answer_frames) * _frame_us(layout, bitrate)
 
 
 def load_percent(layout: FrameLayout, bitrate: int) -> float:
-    """Share of a cycle that the joint's frames take at worst, per cent; over 100 does not fit."""
-    return 100.0 * snapshot_us(layout, bitrate) / layout.cycle_us
+    """Share of the time that the joint's frames take at worst, per cent; over 100 does not fit.
+
+    A snapshot and its answer every cycle, HEALTH as often as it comes, COMMAND never.
+    """
+    health = _frame_us(layout, bitrate) / (1000.0 * HEALTH_MS) if layout.publishes("health") else 0
+    return 100.0 * (snapshot_us(layout, bitrate) / layout.cycle_us + health)
+
+
+def _frame_us(layout: FrameLayout, bitrate: int) -> float:
+    return frame_bits(layout) * 1e6 / bitrate

@@ -184,6 +184,11 @@ def _failure(summary: "Summary") -> str:
             f"{summary.transport}: no snapshot was answered in full; "
             f"does the joint's node listen there?"
         )
+    if summary.stranger:
+        return (
+            f"{summary.transport}: {summary.stranger}; name the folder that it was compiled from, "
+            "or program it again"
+        )
     return (
         f"{summary.transport}: {summary.lost_frames} frames lost, "
         f"{summary.mismatches} angles differ from the reference model"

@@ -56,6 +56,8 @@ def export(
     load = load_percent(done.layout, done.joint.can.bitrate)
     if load > 100.0:
         note(_too_slow(done, load))
+    if _meets_neighbour(done):
+        note(_may_meet(done))
     if not done.layout.fd and not done.layout.has_turn:
         note(_without_turn(done))
     if table_is_lost:
@@ -121,8 +123,9 @@ def _show(done: "Export", load: float, costs: "Sequence[Cost]") -> None:
         table.add_row(title, pattern.format(u[key]), pattern.format(v[key]))
     console = results()
     show_table(table)
+    frames = done.layout.lengths_frames + done.layout.answer_frames
     console.print(
-        f"{len(done.layout.frames)} frames every {done.layout.cycle_ms} ms take at most "
+        f"{frames} frames every {done.layout.cycle_ms} ms take at most "
         f"{load:.0f} % of a bus at {done.joint.can.bitrate:,} bit/s"
     )
     if costs:
@@ -132,6 +135,22 @@ def _show(done: "Export", load: float, costs: "Sequence[Cost]") -> None:
         f"{len(done.files)} files in {done.directory}; README.md there tells how to use them. "
         f"Next: ccgen verify {done.directory}{to_measure}",
         soft_wrap=True,
+    )
+
+
+def _meets_neighbour(done: "Export") -> bool:
+    """Whether HEALTH or COMMAND is where a neighbour may begin, who counts identifiers in sixteens.
+
+    Joints were two identifiers shorter once.
+    """
+    return done.layout.last_id // 16 > (done.layout.last_id - 2) // 16
+
+
+def _may_meet(done: "Export") -> str:
+    last = done.layout.last_id
+    return (
+        f"{done.joint.source}: can.base_id: the joint's identifiers end at {last:#x}, HEALTH's "
+        f"{last - 1:#x} and COMMAND's {last:#x} among them; a neighbour on the bus begins behind it"
     )
 
 
@@ -146,10 +165,11 @@ def _without_turn(done: "Export") -> str:
 
 def _too_slow(done: "Export", load: float) -> str:
     layout, can = done.layout, done.joint.can
+    frames = layout.lengths_frames + layout.answer_frames
     shortest = math.ceil(layout.cycle_ms * load / 100.0)
     remedy = "bit-rate switching" if layout.fd else "can.fd = true"
     return (
-        f"warning: {done.joint.source}: can.cycle_ms: the {len(layout.frames)} frames of a "
+        f"warning: {done.joint.source}: can.cycle_ms: the {frames} frames of a "
         f"snapshot need up to {load:.0f} % of {layout.cycle_ms} ms at {can.bitrate:,} bit/s; "
         f"{shortest} or more, a higher can.bitrate, or {remedy} would fit"
     )

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from ccgen import FORMAT_VERSION, __version__
-from ccgen.can.layout import FAULT_MEANINGS, FrameLayout
+from ccgen.can.fingerprint import fingerprint
+from ccgen.can.layout import COMMANDS, FAULT_MEANINGS, HEALTH_MS, RESULT_MEANINGS, FrameLayout
 from ccgen.can.load import load_percent
 from ccgen.digits import at_least
 from ccgen.estimation import ErrorRow, noise_gain
@@ -15,7 +16,7 @@ from ccgen.export.literals import float_literal
 from ccgen.fixedpoint import AxisModel, Fit, FixedPointModel
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts_of
-from ccgen.sensing.noise import stated_noise
+from ccgen.sensing.noise import stated_noise, still_counts
 from ccgen.shapes import Shapes, unstretched
 
 SHAPE_VECTORS = 8
@@ -97,9 +98,22 @@ def _fields(members: list[dict[str, Any]], joint: Joint) -> list[str]:
     return [f"{own}.segments", *known, *tables, biases, weights]
 
 
-def can_context(layout: FrameLayout, joint: Joint) -> dict[str, Any]:
-    """The layout of the frames, and the table of them for the folder's README."""
+def can_context(layout: FrameLayout, joint: Joint, model: FixedPointModel) -> dict[str, Any]:
+    """The layout of the frames, and the tables of them for headers and the folder's README."""
+    bits = [f"CCGEN_PUBLISH_{kind.upper()}" for kind in layout.publish]
+    ranges = model.readings
+    still = still_counts(joint, ranges.maximum - ranges.minimum).tolist()
     return {
+        "fingerprint": fingerprint(model, layout),
+        "publish": " | ".join(bits) or "0",
+        "health_ms": HEALTH_MS,
+        "commands": COMMANDS,
+        "results": list(RESULT_MEANINGS.items()),
+        "capture": {
+            "minimum": [f"INT32_C({count})" for count in ranges.minimum.tolist()],
+            "maximum": [f"INT32_C({count})" for count in ranges.maximum.tolist()],
+            "still": [f"INT32_C({count})" for count in still],
+        },
         "layout": layout,
         "faults": list(FAULT_MEANINGS.items()),
         "bitrate": joint.can.bitrate,

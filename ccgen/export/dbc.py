@@ -1,7 +1,8 @@
 """The joint's frames as a DBC file, built with cantools; the same input gives the same text."""
 
 from collections import OrderedDict
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cantools.database import Database
 from cantools.database.can import Bus, Message, Node, Signal
@@ -62,7 +63,7 @@ def dbc_text(layout: FrameLayout, joint: Joint, model: "FixedPointModel") -> str
     """
     meanings = _meanings(layout, joint, model)
     database = Database(
-        messages=[_message(layout, frame, meanings) for frame in layout.frames],
+        messages=[_message(layout, frame, meanings) for frame in layout.used_frames],
         nodes=[
             Node(_sensors(layout), "Reads the length sensors"),
             Node(_node(layout), "Estimates the joint's shape"),
@@ -94,31 +95,44 @@ def _node(layout: FrameLayout) -> str:
 
 
 def _message(layout: FrameLayout, frame: FrameSpec, meanings: dict[Quantity, _Meaning]) -> Message:
-    receivers = [_node(layout)] if frame.kind == "lengths" else [HOST]
+    receivers = [_node(layout)] if frame.kind in ("lengths", "command") else [HOST]
     return Message(
         frame_id=frame.id,
         name=frame.name,
         length=layout.frame_bytes,
         signals=[_signal(signal, meanings[signal.quantity], receivers) for signal in frame.signals],
         comment=_FRAME_COMMENTS[frame.kind],
-        senders=[_sensors(layout) if frame.kind == "lengths" else _node(layout)],
-        cycle_time=min(layout.cycle_ms, _MAXIMUM_CYCLE_MS),
-        dbc_specifics=DbcSpecifics(
-            attributes=OrderedDict(
-                E2EProfile=DbcAttribute("P05" if layout.fd else "P01", _PROFILE),
-                E2EDataId=DbcAttribute(frame.data_id, _DATA_ID),
-            )
-        ),
+        senders=[_SENDERS.get(frame.kind, _node)(layout)],
+        cycle_time=_cycle_time(layout, frame.kind),
+        dbc_specifics=DbcSpecifics(attributes=_attributes(layout, frame)),
         is_extended_frame=layout.extended,
         is_fd=layout.fd,
         strict=True,
     )
 
 
+def _attributes(layout: FrameLayout, frame: FrameSpec) -> "OrderedDict[str, DbcAttribute[Any]]":
+    attributes: OrderedDict[str, DbcAttribute[Any]] = OrderedDict(
+        E2EProfile=DbcAttribute("P05" if layout.fd else "P01", _PROFILE),
+        E2EDataId=DbcAttribute(frame.data_id, _DATA_ID),
+    )
+    if layout.rate_switch:
+        attributes[_BIT_RATE_SWITCH.name] = DbcAttribute("1", _BIT_RATE_SWITCH)
+    return attributes
+
+
+def _cycle_time(layout: FrameLayout, kind: Kind) -> int:
+    """Milliseconds; 0 for what is sent when it is wanted."""
+    times = {"health": frames.HEALTH_MS, "command": 0}
+    return times.get(kind, min(layout.cycle_ms, _MAXIMUM_CYCLE_MS))
+
+
 def _signal(signal: frames.Signal, meaning: _Meaning, receivers: list[str]) -> Signal:
     choices: Choices | None = None
     if signal.signed:
         choices = OrderedDict({signal.no_reading: _NO_READING})
+    elif signal.quantity in _CHOICES:
+        choices = OrderedDict(_CHOICES[signal.quantity])
     return Signal(
         name=signal.name,
         start=signal.start,
@@ -137,13 +151,30 @@ _FRAME_COMMENTS: dict[Kind, str] = {
     "angles": "Bending of every segment; carries the number of its snapshot.",
     "tip": "Tip position in the base frame; carries the number of its snapshot.",
     "status": "State of the estimator, every cycle; its counter advances by one a frame.",
+    "health": f"State of sensors, axes and zero, every {frames.HEALTH_MS} ms and after each "
+    "command; its counter advances by one a frame.",
+    "command": "Asks for a zero; a number that HEALTH tells already acts no more.",
 }
+
+_SENDERS: dict[Kind, Callable[[FrameLayout], str]] = {
+    "lengths": _sensors,
+    "command": lambda _: HOST,
+}
+
+_CHOICES: dict[Quantity, dict[int, str]] = {
+    "axis_state": dict(enumerate(frames.AXIS_STATES)),
+    "zero_state": dict(enumerate(frames.ZERO_STATES)),
+    "command": frames.COMMANDS,
+    "command_result": {k: name.lower() for k, name in enumerate(frames.RESULT_MEANINGS)},
+}
+"""What values of a signal are called."""
 
 
 def _meanings(
     layout: FrameLayout, joint: Joint, model: "FixedPointModel"
 ) -> dict[Quantity, _Meaning]:
     faults = ", ".join(f"{bit} {name}" for bit, name in enumerate(frames.FAULTS))
+    results = ", ".join(f"{k} {text}" for k, text in enumerate(frames.RESULT_MEANINGS.values()))
     missing = f"bit j: u sensor j; bit {frames.MISSING_V_BIT} + j: v sensor j"
     return {
         "crc": _Meaning(1, None, "CRC-16 CCITT-FALSE" if layout.fd else "CRC-8 SAE J1850"),
@@ -158,6 +189,14 @@ def _meanings(
         "missing_sensors": _Meaning(1, None, f"Sensors without a reading; {missing}"),
         "faults": _Meaning(1, None, f"Since the last STATUS; bits: {faults}"),
         "age": _Meaning(0.001, "s", "Since the last complete snapshot; raw 255: that or more"),
+        "fingerprint": _Meaning(1, None, f"Low 16 bits of {layout.name.upper()}_FINGERPRINT"),
+        "suspected_sensors": _Meaning(1, None, f"Sensors that others contradict; {missing}"),
+        "axis_state": _Meaning(1, None, "State of an output axis in the latest snapshot"),
+        "zero_state": _Meaning(1, None, "Whose zero offsets the node estimates with"),
+        "command_number": _Meaning(1, None, "Number of a command; the next one takes another"),
+        "command_result": _Meaning(1, None, f"What became of the last command: {results}"),
+        "command": _Meaning(1, None, "What is asked for"),
+        "command_snapshots": _Meaning(1, None, "1 to 255: snapshots that a capture averages"),
     }
 
 

@@ -124,7 +124,7 @@ def render(fitted: Fit, kept: Kept | None = None) -> tuple[FrameLayout, dict[str
     values: dict[str, Any] = {
         **context.common_context(joint, fitted.method),
         **context.model_context(fitted),
-        **context.can_context(layout, joint),
+        **context.can_context(layout, joint, model),
         **errors_context(fitted),
         "drawing": arrangement_context(joint),
         **context.selftest_context(joint, model, fitted.shapes),

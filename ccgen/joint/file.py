@@ -19,6 +19,7 @@ from ccgen.joint.places import own_place
 from ccgen.joint.recordings import recording_files
 from ccgen.joint.specification import (
     AXES,
+    PUBLISHED,
     AxisSensors,
     Can,
     Geometry,
@@ -33,6 +34,9 @@ _SOURCES = {
     "loads": "[loads]",
     "recordings": '[[recordings]] of use = "fit"',
 }
+
+_SINGLE_FRAMES = 4
+"""Tip, status, health and command, of which a joint has one each."""
 
 _KIND = toml.Kind("joint file", "`ccgen init NAME` writes one that works", "segments = 12")
 
@@ -122,7 +126,7 @@ def _joint(table: JointTable, source: str, folder: Path) -> Joint:
         check=table.estimator.check,
         false_alarms=table.estimator.false_alarms,
         precision=table.fixed_point.precision,
-        can=Can(**table.can.model_dump()),
+        can=_can(table.can),
         source=source,
         own_keys=frozenset({*sensors.own_keys(table.sensors), *listed.own_keys(table)}),
         recordings=recording_files(table, folder),
@@ -246,7 +250,7 @@ def _check_method(joint: Joint) -> None:
 
 
 def _fewest_frames(table: JointTable, joint: Joint) -> int:
-    """Return how many frames the joint needs at least: lengths, angles, tip and status.
+    """Return how many identifiers the joint needs at least.
 
     What counts of more than 24 bits need is known only with their range, in `ccgen.can.layout`.
     """
@@ -256,7 +260,20 @@ def _fewest_frames(table: JointTable, joint: Joint) -> int:
     rows["h"] = len(joint.geometry.sections)
     lengths = math.ceil(len(joint.sensors) / (payload // count_bytes))
     angles = math.ceil(sum(rows[axis] for axis in joint.axes) / (payload // angle_bytes))
-    return lengths + angles + 2
+    return lengths + angles + _SINGLE_FRAMES
+
+
+def _can(table: CanTable) -> Can:
+    values = table.model_dump()
+    doubled = [kind for kind in PUBLISHED if values["publish"].count(kind) > 1]
+    if doubled:
+        raise KeyProblemError(f'can.publish: names "{doubled[0]}" twice; write each kind once')
+    if table.rate_switch and not table.fd:
+        raise KeyProblemError(
+            "can.rate_switch: true, but classic CAN has one bit rate; leave it out, or fd = true"
+        )
+    published = tuple(kind for kind in PUBLISHED if kind in values["publish"])
+    return Can(**(values | {"publish": published}))
 
 
 def _check_ids(can: CanTable, frames: int) -> None:

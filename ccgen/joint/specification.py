@@ -167,6 +167,10 @@ class RecordingFile:
         return self.folder / name
 
 
+PUBLISHED = ("angles", "tip", "status", "health")
+"""Kinds of frames that a node may send, in the order of their identifiers."""
+
+
 @dataclass(frozen=True)
 class Can:
     """The joint's place on the bus."""
@@ -179,6 +183,12 @@ class Can:
     cycle_ms: int
     turn: bool = True
     """Whether senders set the turn that numbers their snapshots on classic CAN."""
+    publish: tuple[str, ...] = PUBLISHED
+    """Those of `PUBLISHED` that the node sends."""
+    rate_switch: bool = False
+    """Whether frames switch to the faster bit rate for data; CAN FD only."""
+    commands: bool = False
+    """Whether the node obeys COMMAND frames."""
 
 
 @dataclass(frozen=True)

@@ -238,6 +238,14 @@ class CanTable(Table):
         default=10, ge=1, le=1000, description="milliseconds, from 1 to 1000", examples=[10]
     )
     turn: bool = Field(default=True, description="true or false", examples=[True])
+    publish: list[Literal["angles", "tip", "status", "health"]] = Field(
+        default=["angles", "tip", "status", "health"],
+        max_length=4,
+        description='a list of "angles", "tip", "status", "health"',
+        examples=[["angles", "status"]],
+    )
+    rate_switch: bool = Field(default=False, description="true or false", examples=[False])
+    commands: bool = Field(default=False, description="true or false", examples=[False])
 
 
 class JointTable(Table):

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ccgen.double_double import matmul
 from ccgen.errors import InputError
@@ -12,6 +12,14 @@ from ccgen.sensing.readings import Floats, normaliser, response
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
+
+
+Integers = NDArray[np.int64]
+
+_STILL = 6.0
+"""Standard deviations."""
+_LARGEST_STILL = 2**22
+"""Counts; the sum of 255 such distances fits 32 bits."""
 
 
 def stated_noise(joint: "Joint") -> Floats | None:
@@ -41,6 +49,23 @@ def length_variance(joint: "Joint", second_moment: Floats | None = None) -> Floa
     tolerance = np.array([sensor.gain_tolerance for sensor in sensors])
     lengths = (matmul(H, second_moment) * H).sum(axis=1).hi
     return np.asarray(variance + np.square(tolerance) * lengths)
+
+
+def still_counts(joint: "Joint", extent: Integers) -> Integers:
+    """How far two readings of a joint at rest may lie apart, counts, shape (n,).
+
+    Six standard deviations of their difference, and one count; where no noise is stated, a
+    hundredth of the range of counts.
+
+    Args:
+        joint: its sensors.
+        extent: the range of each sensor's counts, shape (n,).
+    """
+    step = np.array([abs(sensor.metres_per_count) for sensor in joint.sensors])
+    noisy = 1.0 + np.ceil(_STILL * np.sqrt(2.0 * length_variance(joint)) / step)
+    stated = np.array([sensor.noise is not None for sensor in joint.sensors])
+    counts = np.where(stated, noisy, np.maximum(noisy, extent // 100))
+    return np.asarray(np.minimum(counts, _LARGEST_STILL), dtype=np.int64)
 
 
 def second_moment(states: Floats) -> Floats:

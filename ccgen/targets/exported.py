@@ -5,6 +5,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ccgen.can.fingerprint import fingerprint
 from ccgen.can.layout import FrameLayout, layout_for
 from ccgen.errors import InputError
 from ccgen.export.manifest import changed_files, read_manifest
@@ -38,6 +39,11 @@ class Exported:
     def layout(self) -> FrameLayout:
         """Where the signals lie on the bus."""
         return layout_for(self.joint, self.model)
+
+    @cached_property
+    def fingerprint(self) -> int:
+        """Of model and frames; a node tells its low 16 bits in HEALTH."""
+        return fingerprint(self.model, self.layout)
 
     @cached_property
     def codec(self) -> "Codec":

@@ -19,7 +19,7 @@ _BLOCK = 4096
 def compare_exchange(
     exported: Exported, target: str, transport: str, counts: Integers, answers: Exchange
 ) -> Run:
-    """Compare every angle bit for bit and every tip position within its bound.
+    """Compare every angle bit for bit and every tip position within its bound, where published.
 
     Args:
         exported: the folder, with its reference model.
@@ -29,30 +29,32 @@ def compare_exchange(
     """
     right = exported.model.estimate(counts)
     complete = answers.complete
-    wrong = int(np.count_nonzero(answers.angles[complete] != right[complete]))
+    layout = exported.layout
+    compared = right[complete if layout.publishes("angles") else np.zeros_like(complete)]
+    wrong = int(np.count_nonzero(answers.angles[complete][: len(compared)] != compared))
     # A tip is rounded to half a step; the rest is the bound of single precision.
-    step = 2.0**-exported.layout.tip_fraction_bits
-    distance = np.linalg.norm(
-        answers.tips[complete] * step - tip_positions(exported, right[complete]), axis=-1
-    )
+    step = 2.0**-layout.tip_fraction_bits
+    tips = tip_positions(exported, right[complete]) if layout.publishes("tip") else np.zeros((0, 3))
+    distance = np.linalg.norm(answers.tips[complete][: len(tips)] * step - tips, axis=-1)
     return Run(
         target=target,
         transport=transport,
         snapshots=answers.snapshots,
-        compared_values=int(np.count_nonzero(complete)) * right.shape[1],
+        compared_values=compared.size or tips.size,
         mismatches=wrong,
         lost_frames=answers.lost_frames,
         rate_hz=answers.rate_hz,
         pose_max_error_m=float(distance.max(initial=0.0)),
         pose_bound_m=exported.pose_bounds.position + 0.5 * math.sqrt(3.0) * step,
-        note=_note(answers),
+        note=_note(exported, answers),
     )
 
 
-def _note(answers: Exchange) -> str:
+def _note(exported: Exported, answers: Exchange) -> str:
+    other = answers.stranger(exported.fingerprint & 0xFFFF)
     damaged = f"{answers.corrupted} frames came damaged" if answers.corrupted else ""
     gone = f"the bus went away ({answers.gone})" if answers.gone else ""
-    return "; ".join(filter(None, (damaged, gone)))
+    return "; ".join(filter(None, (other, damaged, gone)))
 
 
 def angles_in_radians(exported: Exported, angles: Integers) -> tuple[Floats, Floats]:

@@ -28,7 +28,7 @@ static bool times_valid(const ccgen_layout_t *const layout) {
 static bool identifiers_valid(const ccgen_layout_t *const layout) {
     const uint32_t last = layout->extended ? EXTENDED_ID_MAX : STANDARD_ID_MAX;
     return (layout->base_id <= last) &&
-           ((uint32_t)ccgen_layout_status_index(layout) <= (last - layout->base_id));
+           ((uint32_t)ccgen_layout_command_index(layout) <= (last - layout->base_id));
 }
 
 bool ccgen_layout_valid(const ccgen_layout_t *const layout) {
@@ -90,25 +90,51 @@ uint16_t ccgen_layout_status_index(const ccgen_layout_t *const layout) {
     return (uint16_t)(ccgen_layout_tip_index(layout) + 1u);
 }
 
+uint16_t ccgen_layout_health_index(const ccgen_layout_t *const layout) {
+    return (uint16_t)(ccgen_layout_tip_index(layout) + 2u);
+}
+
+uint16_t ccgen_layout_command_index(const ccgen_layout_t *const layout) {
+    return (uint16_t)(ccgen_layout_tip_index(layout) + 3u);
+}
+
+bool ccgen_layout_publishes(const ccgen_layout_t *const layout, const uint16_t index) {
+    const uint16_t tip = ccgen_layout_tip_index(layout);
+    if ((index < ccgen_layout_lengths_frames(layout)) || (index > (tip + 2u))) {
+        return false;
+    }
+    const uint8_t bit = (index < tip) ? 0u : (uint8_t)(index - tip + 1u);
+    return (((uint32_t)layout->publish >> bit) & 1u) != 0u;
+}
+
+/** What follows TIP, one frame each. */
+static ccgen_frame_kind_t kind_behind_tip(const uint16_t behind) {
+    if (behind == 1u) {
+        return CCGEN_FRAME_STATUS;
+    }
+    return (behind == 2u) ? CCGEN_FRAME_HEALTH : CCGEN_FRAME_COMMAND;
+}
+
 ccgen_frame_kind_t ccgen_layout_kind(const ccgen_layout_t *const layout,
                                      const ccgen_frame_t *const frame, uint16_t *const slot) {
     const uint32_t index = frame->id - layout->base_id;
     const uint16_t lengths = ccgen_layout_lengths_frames(layout);
     const uint16_t tip = ccgen_layout_tip_index(layout);
-    ccgen_frame_kind_t kind = CCGEN_FRAME_STATUS;
-    uint16_t first = (uint16_t)(tip + 1u);
-    if ((frame->extended != layout->extended) || (frame->id < layout->base_id) || (index > first)) {
+    ccgen_frame_kind_t kind = CCGEN_FRAME_TIP;
+    uint16_t first = tip;
+    if ((frame->extended != layout->extended) || (frame->id < layout->base_id) ||
+        (index > ccgen_layout_command_index(layout))) {
         return CCGEN_FRAME_FOREIGN;
     }
-    if (index < lengths) {
+    if (index > tip) {
+        kind = kind_behind_tip((uint16_t)(index - tip));
+        first = (uint16_t)index;
+    } else if (index < lengths) {
         kind = CCGEN_FRAME_LENGTHS;
         first = 0;
     } else if (index < tip) {
         kind = CCGEN_FRAME_ANGLES;
         first = lengths;
-    } else if (index == tip) {
-        kind = CCGEN_FRAME_TIP;
-        first = tip;
     }
     if (slot != NULL) {
         *slot = (uint16_t)(index - first);
@@ -122,7 +148,7 @@ void ccgen_layout_begin(const ccgen_layout_t *const layout, const uint16_t index
     frame->extended = layout->extended;
     frame->fd = layout->fd;
     frame->remote = false;
-    frame->rate_switch = false;
+    frame->rate_switch = layout->fd && layout->rate_switch;
     frame->length = ccgen_layout_frame_length(layout);
     for (uint8_t i = 0; i < frame->length; ++i) {
         frame->data[i] = 0;

@@ -3,6 +3,7 @@
 #include "ccgen/integer.h"
 
 #define TIP_BYTES 2u
+#define LOST_UV ((CCGEN_AXIS_LOST << 2) | CCGEN_AXIS_LOST)
 
 /** The angles of the snapshot last published, of either precision; the other pair is NULL. */
 typedef struct {
@@ -22,6 +23,7 @@ int ccgen_node_init(const ccgen_layout_t *const layout, ccgen_node_t *const node
     node->missing = 0;
     node->status_us = 0;
     node->status_wait_us = 0;
+    ccgen_health_init(layout, &node->health);
     node->next = (uint16_t)(ccgen_layout_status_index(layout) + 1u);
     for (uint8_t i = 0; i < 3u; ++i) {
         node->tip[i] = 0;
@@ -75,6 +77,14 @@ int ccgen_node_counts32(const ccgen_layout_t *const layout, const ccgen_node_t *
     return CCGEN_OK;
 }
 
+/** Moves on to the next frame of the answer that is sent, or behind STATUS. */
+static void skip_unpublished(const ccgen_layout_t *const layout, ccgen_node_t *const node) {
+    while ((node->next <= ccgen_layout_status_index(layout)) &&
+           !ccgen_layout_publishes(layout, node->next)) {
+        node->next = (uint16_t)(node->next + 1u);
+    }
+}
+
 int ccgen_node_publish(const ccgen_layout_t *const layout, ccgen_node_t *const node,
                        const int result, const int32_t missing, const int16_t *const tip) {
     const bool estimated = (result >= 0);
@@ -82,6 +92,7 @@ int ccgen_node_publish(const ccgen_layout_t *const layout, ccgen_node_t *const n
         (estimated && (tip == NULL))) {
         return CCGEN_ERROR_ARGUMENT;
     }
+    skip_unpublished(layout, node);
     if (node->next <= ccgen_layout_status_index(layout)) {
         node->overruns += 1u;
     }
@@ -98,6 +109,7 @@ int ccgen_node_publish(const ccgen_layout_t *const layout, ccgen_node_t *const n
     node->estimates += estimated ? 1u : 0u;
     node->failures += estimated ? 0u : 1u;
     node->missing = (uint16_t)missing;
+    node->health.axes = estimated ? 0u : LOST_UV;
     node->estimated = estimated;
     node->published = node->snapshot.number;
     node->next = ccgen_layout_lengths_frames(layout);
@@ -152,6 +164,8 @@ static void settle(const ccgen_layout_t *const layout, ccgen_node_t *const node)
         const uint16_t next = (uint16_t)(node->status_counter + 1u);
         node->status_counter = (uint8_t)((next < modulus) ? next : 0u);
         node->snapshot.faults = node->snapshot.recent;
+    } else if (node->handed == CCGEN_HANDED_HEALTH) {
+        ccgen_health_sent(layout, &node->health);
     }
     node->handed = CCGEN_HANDED_NOTHING;
 }
@@ -165,6 +179,13 @@ static int transmit_status(const ccgen_layout_t *const layout, ccgen_node_t *con
     node->status_again = false;
     node->snapshot.recent = 0;
     node->status_us = node->snapshot.now_us;
+    return 1;
+}
+
+static int transmit_health(const ccgen_layout_t *const layout, ccgen_node_t *const node,
+                           ccgen_frame_t *const frame) {
+    ccgen_health_frame(layout, &node->health, node->snapshot.now_us, frame);
+    node->handed = CCGEN_HANDED_HEALTH;
     return 1;
 }
 
@@ -198,8 +219,15 @@ static int transmit(const ccgen_layout_t *const layout, ccgen_node_t *const node
                     ccgen_frame_t *const frame) {
     (void)ccgen_snapshot_tick(layout, &node->snapshot, now_us);
     settle(layout, node);
+    skip_unpublished(layout, node);
     if (node->next <= ccgen_layout_status_index(layout)) {
         return transmit_answer(layout, node, angles, frame);
+    }
+    if (ccgen_health_due(layout, &node->health, node->snapshot.now_us)) {
+        return transmit_health(layout, node, frame);
+    }
+    if ((layout->publish & CCGEN_PUBLISH_STATUS) == 0u) {
+        return 0;
     }
     const uint32_t since_us = node->snapshot.now_us - node->status_us;
     if (node->status_again) {
@@ -242,5 +270,6 @@ int ccgen_node_unsent(ccgen_node_t *const node) {
         node->next = (uint16_t)(node->next - 1u);
     }
     node->status_again = node->status_again || (handed == CCGEN_HANDED_STATUS);
+    node->health.due = node->health.due || (handed == CCGEN_HANDED_HEALTH);
     return (handed == CCGEN_HANDED_NOTHING) ? 0 : 1;
 }

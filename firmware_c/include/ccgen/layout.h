@@ -3,16 +3,17 @@
  * \brief Which frames a joint has on the bus, and where the signals are in them.
  *
  * Frame k has identifier base_id + k: LENGTHS frames first (counts of the u sensors, then of the
- * v sensors), then ANGLES frames (u segments, then v segments), then TIP, then STATUS. Every frame
- * is 8 bytes long (64 on CAN FD): the E2E header, then as many little-endian two's complement
- * signals as fit; unused bytes are 0. A signal's most negative value means "no reading".
- * The E2E data ID is the low 16 bits of the identifier.
+ * v sensors), then ANGLES frames (u segments, then v segments), then TIP, STATUS, HEALTH and
+ * COMMAND; what a joint does not publish, or obey, keeps its identifier. Every frame is 8 bytes long
+ * (64 on CAN FD): the E2E header, then as many little-endian two's complement signals as fit;
+ * unused bytes are 0. A signal's most negative value means "no reading". The E2E data ID is the low
+ * 16 bits of the identifier.
  *
  * Every sending of the sensors has a number, which LENGTHS, ANGLES and TIP carry. On CAN FD it is
  * the counter of P05, 0 to 255. On classic CAN the counter of P01 comes round after 15; the nibble
  * beside it, which P01 leaves to the payload, counts these turns: number = turn * 15 + counter,
- * 0 to 239. Without the turn the number is the counter alone. A STATUS frame has a counter of its
- * own, and turn 0.
+ * 0 to 239. Without the turn the number is the counter alone. STATUS, HEALTH and COMMAND frames
+ * have counters of their own, and turn 0.
  *
  * All functions are pure, take constant time and accept only layouts that ccgen_layout_valid()
  * accepts.
@@ -42,6 +43,14 @@ extern "C" {
 /** The same where the number is the counter of P01 alone. */
 #define CCGEN_WINDOW_CYCLES_WITHOUT_TURN 6u
 
+/** Kinds of frames that a node may send: bits of `publish`. */
+enum {
+    CCGEN_PUBLISH_ANGLES = 0x01,
+    CCGEN_PUBLISH_TIP = 0x02,
+    CCGEN_PUBLISH_STATUS = 0x04,
+    CCGEN_PUBLISH_HEALTH = 0x08
+};
+
 /** The layout of one joint: lives in flash. */
 typedef struct {
     uint32_t base_id;    /**< identifier of the first LENGTHS frame */
@@ -56,6 +65,10 @@ typedef struct {
     uint32_t cycle_us;   /**< period of snapshots and of the status; 1 to CCGEN_PERIOD_MAX_US */
     uint32_t window_us;  /**< a snapshot's frames arrive within this time of its first; 1 to
                               ccgen_layout_window_max_us() */
+    uint16_t fingerprint; /**< of the model, for HEALTH */
+    uint8_t publish;      /**< CCGEN_PUBLISH_... of what the node sends */
+    bool rate_switch;     /**< CAN FD frames have the faster data phase */
+    bool commands;        /**< COMMAND frames are obeyed */
 } ccgen_layout_t;
 
 typedef enum {
@@ -63,6 +76,8 @@ typedef enum {
     CCGEN_FRAME_ANGLES,
     CCGEN_FRAME_TIP,
     CCGEN_FRAME_STATUS,
+    CCGEN_FRAME_HEALTH,
+    CCGEN_FRAME_COMMAND,
     CCGEN_FRAME_FOREIGN /**< not one of the joint's */
 } ccgen_frame_kind_t;
 
@@ -94,8 +109,17 @@ uint8_t ccgen_layout_angles_frames(const ccgen_layout_t *layout);
 /** \return index k of the TIP frame: identifier minus base. */
 uint16_t ccgen_layout_tip_index(const ccgen_layout_t *layout);
 
-/** \return index k of the STATUS frame, which is the last. */
+/** \return index k of the STATUS frame. */
 uint16_t ccgen_layout_status_index(const ccgen_layout_t *layout);
+
+/** \return index k of the HEALTH frame. */
+uint16_t ccgen_layout_health_index(const ccgen_layout_t *layout);
+
+/** \return index k of the COMMAND frame, which is the last. */
+uint16_t ccgen_layout_command_index(const ccgen_layout_t *layout);
+
+/** \return whether the node sends frame k. */
+bool ccgen_layout_publishes(const ccgen_layout_t *layout, uint16_t index);
 
 /**
  * Tells what a frame is from its identifier alone.
@@ -109,7 +133,7 @@ ccgen_frame_kind_t ccgen_layout_kind(const ccgen_layout_t *layout, const ccgen_f
 /**
  * Starts a frame: identifier, kind and length set, all bytes of that length 0.
  * \param[in] layout
- * \param[in] index   0 to ccgen_layout_status_index()
+ * \param[in] index   0 to ccgen_layout_command_index()
  * \param[out] frame
  */
 void ccgen_layout_begin(const ccgen_layout_t *layout, uint16_t index, ccgen_frame_t *frame);
@@ -117,7 +141,8 @@ void ccgen_layout_begin(const ccgen_layout_t *layout, uint16_t index, ccgen_fram
 /**
  * Numbers and protects a frame that ccgen_layout_begin() started and whose signals are in place.
  * \param[in] layout
- * \param[in] number     below ccgen_layout_numbers(); the counter of a STATUS frame
+ * \param[in] number     below ccgen_layout_numbers(); the own counter of a STATUS, HEALTH or COMMAND
+ *                       frame, which is below that of the E2E profile
  * \param[in,out] frame
  * \return as ccgen_e2e_protect(); CCGEN_ERROR_ARGUMENT for a number out of range
  */

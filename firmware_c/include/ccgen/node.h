@@ -5,8 +5,8 @@
  * The generated NAME_can.c wraps this for one joint: it hands frames to ccgen_node_receive(), and
  * when a snapshot is complete takes the counts, estimates, and calls ccgen_node_publish(). Frames
  * go out one a call of ccgen_node_transmit16() or ccgen_node_transmit32(), whichever fits the
- * joint's precision: all ANGLES frames and TIP of a snapshot under that snapshot's number, and
- * STATUS whenever a cycle has passed.
+ * joint's precision: all ANGLES frames and TIP of a snapshot under that snapshot's number, STATUS
+ * whenever a cycle has passed, and HEALTH (see health.h); of these what the layout publishes.
  *
  * A snapshot with a missing sensor has no estimate: its ANGLES and TIP frames go out with "no
  * reading" in every signal, and the status says which sensor. Call transmit until it returns 0
@@ -24,6 +24,7 @@
 #ifndef CCGEN_NODE_H
 #define CCGEN_NODE_H
 
+#include "ccgen/health.h"
 #include "ccgen/layout.h"
 #include "ccgen/snapshot.h"
 
@@ -32,11 +33,17 @@ extern "C" {
 #endif
 
 /** What was handed out last and may still be taken back. */
-typedef enum { CCGEN_HANDED_NOTHING, CCGEN_HANDED_ESTIMATE, CCGEN_HANDED_STATUS } ccgen_handed_t;
+typedef enum {
+    CCGEN_HANDED_NOTHING,
+    CCGEN_HANDED_ESTIMATE,
+    CCGEN_HANDED_STATUS,
+    CCGEN_HANDED_HEALTH
+} ccgen_handed_t;
 
 /** State, owned by the caller; the fields up to `missing` are for reading, the rest is internal. */
 typedef struct {
     ccgen_snapshot_t snapshot;
+    ccgen_health_t health;
     uint32_t estimates; /**< snapshots that were estimated */
     uint32_t failures;  /**< snapshots without an estimate */
     uint32_t overruns;  /**< snapshots replaced before all their frames were fetched */

@@ -183,8 +183,8 @@ static void take_line(void) {
     const uint32_t first = ccgen_layout_lengths_frames(&FUZZ_LAYOUT);
     const uint32_t status = ccgen_layout_status_index(&FUZZ_LAYOUT);
     const uint32_t index = frame.id - FUZZ_LAYOUT.base_id;
-    CHECK((index >= first) && (index <= status));
-    CHECK((index == first) || (index == status) || (index == far_end.next));
+    CHECK((index >= first) && (index <= (status + 1u)));
+    CHECK((index == first) || (index >= status) || (index == far_end.next));
     CHECK((far_end.next == 0u) || (index == far_end.next)); /* an answer goes out whole */
     far_end.next = (index < status) ? (index + 1u) : 0u;
     CHECK(ccgen_e2e_check(ccgen_layout_profile(&FUZZ_LAYOUT), (uint16_t)(frame.id & 0xFFFFu),

@@ -45,6 +45,9 @@ typedef struct {
     uint64_t status_us;
     uint64_t status_wait_us;
     uint8_t status_counter;
+    bool health_due;
+    uint64_t health_us;
+    uint8_t health_counter;
     uint8_t owed;   /* faults that no sent status has told */
     uint8_t recent; /* those since the latest status was handed out */
     int published;
@@ -223,6 +226,15 @@ static void check_status(const bus_t *const bus, const uint8_t *const payload) {
     check_rest(payload, 6);
 }
 
+static void check_health(const bus_t *const bus, const uint8_t *const payload) {
+    const uint8_t axes = bus->estimated ? 0x00u : 0x0Au;
+    CHECK((payload[0] | ((uint32_t)payload[1] << 8)) == layout->fingerprint);
+    CHECK((payload[2] == 0u) && (payload[3] == 0u) && (payload[5] == 0u));
+    CHECK((payload[4] & 0x3Fu) == (0x30u | axes));
+    CHECK((payload[4] >> 6) == (uint32_t)bus->node->joint.source);
+    check_rest(payload, 6);
+}
+
 static void check_answer(const bus_t *const bus, const uint16_t index,
                          const ccgen_frame_t *const frame) {
     const uint8_t *const payload = payload_of(frame);
@@ -252,6 +264,8 @@ static void settle(bus_t *const bus) {
     if (bus->handed == CCGEN_HANDED_STATUS) {
         bus->owed = bus->recent;
         bus->status_counter = (uint8_t)((bus->status_counter + 1u) % (layout->fd ? 256u : 15u));
+    } else if (bus->handed == CCGEN_HANDED_HEALTH) {
+        bus->health_counter = (uint8_t)((bus->health_counter + 1u) % (layout->fd ? 256u : 15u));
     }
     bus->handed = CCGEN_HANDED_NOTHING;
 }
@@ -260,6 +274,12 @@ static void settle(bus_t *const bus) {
 static void hand_out(bus_t *const bus, const uint16_t index) {
     const uint16_t status = ccgen_layout_status_index(layout);
     const uint64_t cycle_us = layout->cycle_us;
+    if (index > status) {
+        bus->handed = CCGEN_HANDED_HEALTH;
+        bus->health_due = false;
+        bus->health_us = bus->told_us;
+        return;
+    }
     if (bus->due <= status) {
         bus->status_wait_us = cycle_us + cycle_us / 2u;
         ++bus->due;
@@ -285,20 +305,25 @@ static bool transmit(bus_t *const bus) {
     memset(&frame, MARK, sizeof frame);
     const int result = port_node_transmit(bus->node, tell(bus), &frame);
     settle(bus);
-    const bool due = (bus->due <= status) || bus->status_again ||
+    const bool health = bus->health_due || ((bus->told_us - bus->health_us) >= CCGEN_HEALTH_US);
+    const bool due = (bus->due <= status) || health || bus->status_again ||
                      ((bus->told_us - bus->status_us) >= bus->status_wait_us);
     CHECK(result == (due ? 1 : 0));
     if (!due) {
         CHECK(memcmp(&frame, &untouched, sizeof frame) == 0);
         return false;
     }
-    const uint16_t index = (bus->due <= status) ? bus->due : status;
-    CHECK(verdict(&frame) == ((index == status) ? bus->status_counter : bus->published));
+    const uint16_t idle = health ? ccgen_layout_health_index(layout) : status;
+    const uint16_t index = (bus->due <= status) ? bus->due : idle;
+    const int own = (index == status) ? bus->status_counter : bus->health_counter;
+    CHECK(verdict(&frame) == ((index >= status) ? own : bus->published));
     CHECK((frame.id == (layout->base_id + index)) && (frame.extended == layout->extended));
     CHECK(!frame.rate_switch);
     CHECK(memcmp(&frame.data[frame.length], untouched.data, sizeof frame.data - frame.length) == 0);
     if (index == status) {
         check_status(bus, payload_of(&frame));
+    } else if (index > status) {
+        check_health(bus, payload_of(&frame));
     } else {
         check_answer(bus, index, &frame);
     }
@@ -313,6 +338,7 @@ static void take_back(bus_t *const bus) {
     bus->handed = CCGEN_HANDED_NOTHING;
     bus->due = (uint16_t)(bus->due - ((handed == CCGEN_HANDED_ESTIMATE) ? 1u : 0u));
     bus->status_again = bus->status_again || (handed == CCGEN_HANDED_STATUS);
+    bus->health_due = bus->health_due || (handed == CCGEN_HANDED_HEALTH);
 }
 
 /** Lets time pass; now and then until the clock has come round since the latest snapshot. */
@@ -572,6 +598,7 @@ static void start(bus_t *const bus, input_t *const input) {
     memset(bus->node, MARK, sizeof *bus->node);
     CHECK(port_node_init(bus->node) == CCGEN_OK);
     bus->due = (uint16_t)(ccgen_layout_status_index(layout) + 1u);
+    bus->health_due = true;
     bus->now_us = EPOCH_US + take32(input);
     bus->told_us = bus->now_us;
     rule_start(&bus->rule, numbers_of_joint(), ccgen_layout_lengths_frames(layout),

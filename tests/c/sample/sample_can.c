@@ -2,6 +2,10 @@
 
 #include "ccgen/tip.h"
 
+#ifndef SAMPLE_PUBLISH
+#define SAMPLE_PUBLISH (CCGEN_PUBLISH_ANGLES | CCGEN_PUBLISH_TIP | CCGEN_PUBLISH_STATUS)
+#endif
+
 const ccgen_layout_t sample_layout = {
     0x300u,           /* base_id */
     false,            /* extended */
@@ -13,7 +17,11 @@ const ccgen_layout_t sample_layout = {
     2,                /* count_bytes */
     2,                /* angle_bytes */
     10000u,           /* cycle_us */
-    10000u            /* window_us */
+    10000u,           /* window_us */
+    0xC0DEu,          /* fingerprint */
+    SAMPLE_PUBLISH,   /* publish */
+    false,            /* rate_switch */
+    false             /* commands */
 };
 
 static int estimate(sample_node_t *const node) {

@@ -1,0 +1,37 @@
+"""What a node's model is known by on the bus."""
+
+import hashlib
+import json
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from ccgen.can.layout import FrameLayout
+from ccgen.fixedpoint import AxisModel, FixedPointModel
+
+_FORMAT = ("precision", "first", "shift", "fraction_bits", "saturates")
+_TABLES = ("weights", "bias", "minimum", "maximum", "zero")
+
+
+def fingerprint(model: FixedPointModel, layout: FrameLayout) -> int:
+    """32 bits of weights, formats, ranges, zeros and frames; HEALTH carries the low 16.
+
+    Names, descriptions and versions leave it as it is.
+    """
+    frames: dict[str, Any] = asdict(layout)
+    del frames["name"]
+    record = {
+        "axes": {name: _axis_record(axis) for name, axis in model.axes.items()},
+        "frames": frames,
+    }
+    text = json.dumps(record, sort_keys=True, separators=(",", ":"))
+    return int.from_bytes(hashlib.sha256(text.encode("ascii")).digest()[:4], "little")
+
+
+def _axis_record(axis: AxisModel) -> dict[str, Any]:
+    record: dict[str, Any] = {key: getattr(axis, key) for key in _FORMAT}
+    record |= {key: np.asarray(getattr(axis, key)).tolist() for key in _TABLES}
+    if axis.relative is not None:
+        record["relative"] = {key: table.tolist() for key, table in asdict(axis.relative).items()}
+    return record
