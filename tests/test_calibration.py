@@ -11,6 +11,7 @@ import ccgen
 from ccgen.calibration.calibrate import calibrate
 from ccgen.cli.main import main
 from ccgen.errors import ArgumentError, InputError
+from ccgen.joint.calibration import SensorCalibration
 from ccgen.joint.calibration_file import calibration_text, parse_calibration
 from ccgen.joint.file import parse_joint
 from ccgen.sensing.readings import response
@@ -297,6 +298,20 @@ def test_recordings_to_score_with_are_left_alone(tmp_path):
     both = found_in(tmp_path, *RUN, 'file = "other.csv"\nuse = "score"')
     assert both.suspicious == ()
     assert [name for name, _ in both.calibration.recordings] == ["run.csv"]
+
+
+def test_a_sensor_that_was_not_recorded_is_left_as_it_is_stated(tmp_path):
+    def without(columns):
+        del columns["count_whole"]
+
+    record(tmp_path, change=without)
+    found = found_in(tmp_path)
+    *rest, last = found.calibration.sensors
+    assert last == SensorCalibration("whole")
+    assert all(one.metres_per_count is not None for one in rest)
+    assert found.notes[-1].endswith(
+        "no counts where the shape is known of sensor whole, left as the file states"
+    )
 
 
 def uncounted(columns):

@@ -218,3 +218,11 @@ def test_models_hold_every_state_that_may_move(sections):
     assert not still.basis[2 * m : -1].any()
     softer = found.transform(np.log(np.r_[2.0, np.ones(m - 1)]), np.zeros(found.sizes))
     np.testing.assert_allclose(softer[[0, m]], 2 * T[[0, m]])
+
+
+def test_a_signal_without_values_says_nothing_of_independent_rows():
+    random = np.random.default_rng(0)
+    signals = np.cumsum(random.standard_normal((500, 2)), axis=0)
+    empty = np.full((500, 1), np.nan)
+    assert independent_rows(np.hstack([signals, empty])) == independent_rows(signals)
+    assert independent_rows(empty) == 1.0

@@ -33,10 +33,13 @@ from ccgen.recordings.lengths import expected_changes
 from ccgen.sensing.readings import coverage, response
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 LARGEST_GAIN_STD = 0.1
 """Deviation of a gain, share of it, above which a recording does not determine it."""
 
+_LEAST_MOTION = 5.0
+"""Root mean square motion of a sensor, in deviations of its noise, that shows its gain."""
 _LEAST_SCALE = 1e-9
 """Metres."""
 _ALIKE = 0.8
@@ -93,12 +96,13 @@ def calibrate(joint: Joint | str | Path) -> Calibrated:
     noise = _noise(near, sources)
     found = together([*_told(sources.followed), *(one.told for one in sources.held)])
     suspects = (*suspects, *_shifted(joint, sources, noise.value, suspects))
-    _check_determined(joint, sources, found, suspects)
+    read = _read(sources)
+    _check_determined(joint, sources, found, read, suspects)
     delay, delay_std = _delay(sources.followed)
     calibration = Calibration(
         joint=joint.name,
         fingerprint=sensors_fingerprint(joint),
-        sensors=_sensors(near, found, noise, suspects),
+        sensors=_sensors(near, found, noise, read, suspects),
         delay=delay,
         delay_std=delay_std,
         recordings=tuple(dict(pair for one in recordings for pair in one.hashes).items()),
@@ -108,7 +112,8 @@ def calibrate(joint: Joint | str | Path) -> Calibrated:
     except KeyProblemError as problem:
         raise InputError(f"{joint.source}: {problem}") from None
     bent = [_bent(near, one) for one in sources.followed if one.reference.dense]
-    return Calibrated(calibration, places(bent, len(joint.sensors)), suspects, sources.notes)
+    notes = (*sources.notes, *_unread(joint, read))
+    return Calibrated(calibration, places(bent, len(joint.sensors)), suspects, notes)
 
 
 def _near(joint: Joint, seen: Sequence[Seen], suspects: Sequence[Suspicion]) -> Joint:
@@ -194,22 +199,38 @@ def _shifted(
     return (one for one in found if one.name not in known)
 
 
+def _read(sources: Sources) -> Flags:
+    """Which sensors were read where the shape is known, shape (n,)."""
+    at_rest = [np.isfinite(one.noise) for one in sources.straight]
+    moving = [(~np.isnan(one.lengths + one.expected)).any(axis=0) for one in sources.seen]
+    return np.asarray(np.any([*at_rest, *moving], axis=0))
+
+
+def _unread(joint: Joint, read: Flags) -> Iterator[str]:
+    names = [sensor.name for sensor, one in zip(joint.sensors, read, strict=True) if not one]
+    if names:
+        yield (
+            f"{joint.source}: recordings: no counts where the shape is known of "
+            f"sensor{'' if len(names) == 1 else 's'} {', '.join(names)}, left as the file states"
+        )
+
+
 def _check_determined(
-    joint: Joint, sources: Sources, found: Found, suspects: Sequence[Suspicion]
+    joint: Joint, sources: Sources, found: Found, read: Flags, suspects: Sequence[Suspicion]
 ) -> None:
     """Check that gains are determined wherever the joint moved, and that there is something.
 
     Raises:
         InputError: names the sensors, and what would determine them.
     """
-    if not np.isfinite(found.zero_std).any():
+    if not read.any():
         raise InputError(
-            f"{joint.source}: recordings: no sensor has counts where the shape is known"
+            f"{joint.source}: recordings: no sensor has counts where the shape is known; record "
+            "counts and shapes at the same time"
         )
-    if not sources.followed and not sources.posed:
+    if not sources.seen:
         return
-    read = np.isfinite(found.zero_std)
-    vague = ~(found.gain_std <= LARGEST_GAIN_STD * np.abs(found.gain))
+    vague = ~(found.gain_std <= LARGEST_GAIN_STD * np.abs(found.gain)) | _still(sources)
     names = [
         sensor.name
         for j, sensor in enumerate(joint.sensors)
@@ -222,6 +243,18 @@ def _check_determined(
             f"{', '.join(names)} (within {100 * LARGEST_GAIN_STD:.0f} %); record the joint while "
             "it bends where and how these read, in both axes and to both sides"
         )
+
+
+def _still(sources: Sources) -> Flags:
+    """Which sensors bodies and markers move too little for gains that are not just expected.
+
+    Without dense references gains are held near the nominal ones, and look certain without any
+    motion.
+    """
+    if not sources.followed or any(one.reference.dense for one in sources.followed):
+        return np.zeros(len(sources.step), dtype=np.bool_)
+    moved = np.nanmax([np.nanstd(one.expected, axis=0) for one in sources.followed], axis=0)
+    return np.asarray(moved < _LEAST_MOTION * sources.followed[0].noise)
 
 
 def _delay(followed: Sequence[Followed]) -> tuple[float | None, float | None]:
@@ -242,11 +275,11 @@ def _delay(followed: Sequence[Followed]) -> tuple[float | None, float | None]:
 
 
 def _sensors(
-    joint: Joint, found: Found, noise: _Noise, suspects: Sequence[Suspicion]
+    joint: Joint, found: Found, noise: _Noise, read: Flags, suspects: Sequence[Suspicion]
 ) -> tuple[SensorCalibration, ...]:
     return tuple(
         SensorCalibration(sensor.name)
-        if _is(suspects, sensor, *_LEFT_OUT)
+        if not read[j] or _is(suspects, sensor, *_LEFT_OUT)
         else _sensor(sensor, j, found, noise, _is(suspects, sensor, "slipping"))
         for j, sensor in enumerate(joint.sensors)
     )

@@ -138,9 +138,12 @@ def independent_rows(signals: Floats) -> float:
     below zero (Geyer, "Practical Markov chain Monte Carlo", Statistical Science 7, 1992).
 
     Args:
-        signals: shape (N, n); NaN where there is none.
+        signals: shape (N, n); NaN where there is none, also in a whole column.
     """
-    known = np.where(np.isnan(signals), np.nanmean(signals, axis=0), signals)
+    seen = signals[:, ~np.isnan(signals).all(axis=0)]
+    if not seen.shape[1]:
+        return 1.0
+    known = np.where(np.isnan(seen), np.nanmean(seen, axis=0), seen)
     known = known - known.mean(axis=0)
     count = len(known)
     spectrum = np.square(np.abs(np.fft.rfft(known, 2 * count, axis=0))).sum(axis=1)
