@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ccgen.calibration.places import Bent, Place, places
 from ccgen.calibration.seen import Seen, correlation, gain_of, pooled
-from ccgen.calibration.sources import Followed, Sources, counted, sources_of
+from ccgen.calibration.sources import Followed, Sources, counted, sources_of, without
 from ccgen.calibration.suspicious import Suspicion, Zeros, shifted, suspicious
 from ccgen.calibration.told import Found, Told, together
 from ccgen.errors import ArgumentError, InputError
@@ -88,11 +88,18 @@ def calibrate(joint: Joint | str | Path) -> Calibrated:
     if joint.calibration_content:
         raise ArgumentError("is calibrated already; give the path of its file", "joint")
     recordings = counted(joint)
+    names = [sensor.name for sensor in joint.sensors]
     sources = sources_of(joint, recordings)
-    suspects = suspicious([sensor.name for sensor in joint.sensors], sources.seen)
+    suspects = suspicious(names, sources.seen)
     near = _near(joint, sources.seen, suspects)
-    if near != joint:
-        sources = sources_of(near, recordings)
+    silent = [_is(suspects, sensor, *_LEFT_OUT) for sensor in joint.sensors]
+    if near != joint or any(silent):
+        # Shapes rest on readings where cameras leave them open: without those that mislead.
+        sources = sources_of(near, [without(one, silent) for one in recordings])
+        kept = [one for one in suspects if one.kind != "slipping"]
+        known = {one.name for one in kept}
+        again = suspicious(names, sources.seen)
+        suspects = (*kept, *(one for one in again if one.name not in known))
     noise = _noise(near, sources)
     found = together([*_told(sources.followed), *(one.told for one in sources.held)])
     suspects = (*suspects, *_shifted(joint, sources, noise.value, suspects))
@@ -112,7 +119,7 @@ def calibrate(joint: Joint | str | Path) -> Calibrated:
     except KeyProblemError as problem:
         raise InputError(f"{joint.source}: {problem}") from None
     bent = [_bent(near, one) for one in sources.followed if one.reference.dense]
-    notes = (*sources.notes, *_unread(joint, read))
+    notes = (*sources.notes, *_unread(joint, read | np.array(silent)))
     return Calibrated(calibration, places(bent, len(joint.sensors)), suspects, notes)
 
 

@@ -183,6 +183,14 @@ def counted(joint: Joint) -> tuple[Recording, ...]:
     return recordings
 
 
+def without(recording: Recording, silent: Sequence[bool]) -> Recording:
+    """A recording without the readings of some of the n sensors."""
+    counts = recording.counts
+    assert counts is not None
+    values = np.where(np.asarray(silent), np.nan, counts.values)
+    return replace(recording, counts=replace(counts, values=values))
+
+
 def sources_of(joint: Joint, recordings: Sequence[Recording]) -> Sources:
     """What recordings with counts tell, by the nominal gains of a joint.
 
