@@ -59,16 +59,23 @@ class _Part:
 
 
 def dense_references(
-    joint: "Joint", recordings: Sequence[Recording], without_block: int | None
+    joint: "Joint",
+    recordings: Sequence[Recording],
+    without_block: int | None,
+    common: Calibration | None = None,
 ) -> tuple[Reference, ...]:
-    """References of recordings with segment angles; arguments as of `references`."""
+    """References of recordings with segment angles; arguments as of `references`.
+
+    Args:
+        common: what other recordings of the joint told of its sensors.
+    """
     sensors = recorded_sensors(joint)
     parts = [_part(joint, recording, sensors, without_block) for recording in recordings]
     telling = [part for part in parts if part.fits]
-    common = _calibration(telling) if telling else None
+    common = _calibration(telling) if telling else common
     made = []
     for part in parts:
-        if common is not None and part in telling:
+        if common is not None and part.fits:
             sensed = common.of(telling.index(part))
         elif part.read is not None:
             gain = np.ones(len(sensors.names)) if common is None else common.gain

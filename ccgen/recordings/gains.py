@@ -26,6 +26,8 @@ _FREEDOM = 4.0  # degrees of freedom of Student's distribution
 _NORMAL = 0.8310  # its scale that fits normal noise of standard deviation 1
 _TURNS = 30
 _LEAST_NOISE = 1e-7
+_PLAY = 0.4
+"""Of the noise in a stretch: by so much a joint at rest may stay away from the mean."""
 LEAST_STD = 1e-5
 """Metres: no zero is known better by a stretch."""
 
@@ -77,7 +79,7 @@ def stretch_zero(
 ) -> tuple[Floats, Floats] | None:
     """Zeros by the stretch in which the joint was straight, or in which its shape sets them.
 
-    Its rows are alike: they count as one.
+    Rows average noise, but not what play leaves: that counts as a share of the noise.
 
     Args:
         recording: whose file names the stretch.
@@ -98,8 +100,11 @@ def stretch_zero(
     off = lengths[rows] - moved
     empty = np.isnan(off).all(axis=0)
     off[:, empty] = 0.0
-    zero = np.where(empty, np.nan, np.nanmedian(off, axis=0))
-    return zero, np.where(empty, np.nan, np.maximum(np.nanstd(off, axis=0), LEAST_STD))
+    zero = np.nanmedian(off, axis=0)
+    noise = 1.4826 * np.nanmedian(np.abs(off - zero), axis=0)
+    count = np.maximum((~np.isnan(off)).sum(axis=0), 1)
+    std = np.maximum(noise * np.sqrt(1 / count + _PLAY**2), LEAST_STD)
+    return np.where(empty, np.nan, zero), np.where(empty, np.nan, std)
 
 
 def borrowed(

@@ -37,6 +37,8 @@ _NOISE_TURNS = 4
 """Times that trust and noise follow each other after each round."""
 _SETTLING = (4, 2, 2)
 """Times that shapes and trust follow each other before each round."""
+_SHAPES = 4
+"""Times that shapes and trust follow each other under parameters that are known."""
 _PRIOR_ROWS = 2.0
 """Independent rows for which uncorrelated modes count in the second moment."""
 LEAST_NOISE = 1e-7
@@ -113,6 +115,23 @@ def learn(sight: Sight, model: Model, seen: Lengths, independent: float, start: 
         trust=_trust(seen, found, posterior, noise),
         independent=independent,
     )
+
+
+def shapes(sight: Sight, model: Model, seen: Lengths, at: Parameters, start: Floats) -> Posterior:
+    """Most probable shapes of rows under what was learned of their joint.
+
+    Args:
+        sight: linearises the references of the N rows.
+        model: how shapes come about.
+        seen: the readings; their noise is the one that was learned.
+        at: what was learned; its zeros are those of the groups of `seen`.
+        start: states to begin with, shape (N, p).
+    """
+    posterior = Posterior(start, np.zeros((*start.shape, start.shape[1])))
+    for _ in range(_SHAPES):
+        weight = _weight(seen, at, posterior, seen.noise)
+        posterior = Likelihood(model, seen, sight(posterior.state), weight, 1.0).posterior_at(at)
+    return posterior
 
 
 def _descended(likelihood: Likelihood, theta: Floats) -> Floats:

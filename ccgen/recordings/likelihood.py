@@ -168,7 +168,10 @@ class Likelihood:
 
     def posterior(self, theta: Floats) -> Posterior:
         """Shapes of all rows."""
-        at = self.parameters(theta)
+        return self.posterior_at(self.parameters(theta))
+
+    def posterior_at(self, at: Parameters) -> Posterior:
+        """Shapes of all rows under parameters of one's own."""
         T = self.model.transform(at.log_compliance, at.log_size)
         information, potential, _ = self._known(at)
         inverse = np.linalg.inv(np.eye(T.shape[1]) + T.T @ information @ T)

@@ -13,9 +13,13 @@ the joint, which tilts what lies beyond but no sensor reads, has one.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from ccgen.joint import Joint
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -101,6 +105,20 @@ def smooth_model(
         np.concatenate([sizes, sizes, np.full(stretch, k), [k + (stretch > 0)]]),
         k + (stretch > 0) + 1,
     )
+
+
+def joint_model(joint: "Joint") -> Model:
+    """How shapes of the joint come about, before anything is recorded."""
+    geometry, loads = joint.geometry, joint.loads
+    reach = 0.0 if geometry.elongation is None else float(np.abs(geometry.elongation).max())
+    if loads is None or len(loads.stiffness_profile) == 1:
+        return smooth_model(geometry.sections, geometry.range_of_motion, reach)
+    points = (np.arange(64 * geometry.segments) + 0.5) / (64 * geometry.segments)
+    stiffness = np.array(loads.stiffness_profile)
+    at = (points * len(stiffness)).astype(np.intp)
+    profile = (1 / stiffness)[at].reshape(geometry.segments, 64).mean(axis=1)
+    tolerance = loads.stiffness_tolerance
+    return smooth_model(geometry.sections, geometry.range_of_motion, reach, profile, tolerance)
 
 
 def free_model(states: Floats) -> Model:

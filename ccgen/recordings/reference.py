@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.recordings.recording import Recording
+from ccgen.recordings.stations import Sighting, StationErrors
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -25,7 +26,8 @@ class Reference:
         dense: whether segment angles were recorded, rather than bodies.
         state: most probable u, v, h of each row, shape (N, 2m + S), radians and shares of the
             length; NaN where not known.
-        covariance: of the states, shape (N, 2m + S, 2m + S); None where dense.
+        covariance: of the states if what was learned is right, shape (N, 2m + S, 2m + S); None
+            where dense.
         second_moment: of the states about zero, shape (2m + S, 2m + S).
         lengths: of the sensors from count 0 on at nominal gain, laid on the reference's clock,
             shape (N, n), metres; NaN where missing, stuck, or at the end of their range; None
@@ -36,6 +38,7 @@ class Reference:
         delay_s: by which the sensors lag, seconds; 0 without counts.
         delay_std_s: of that; 0 where it is stated, infinite where the recording does not tell.
         notes: what is to be said of the recording, a line each.
+        sighting: bodies in the joint's frame, for `stations`; None where dense.
     """
 
     name: str
@@ -54,6 +57,15 @@ class Reference:
     delay_s: float
     delay_std_s: float
     notes: tuple[str, ...] = ()
+    sighting: Sighting | None = None
+
+    def stations(self, estimate: Floats) -> dict[str, StationErrors]:
+        """Errors of an estimate at the stations of bodies, by name; none where it is dense.
+
+        Args:
+            estimate: shape (N, 2m + S), radians and shares; rows with a NaN are left out.
+        """
+        return {} if self.sighting is None else self.sighting.errors(estimate)
 
     @property
     def block(self) -> NDArray[np.intp]:

@@ -1,21 +1,32 @@
-"""Recordings turned into reference shapes: segment angles are the shape themselves."""
+"""Recordings turned into reference shapes: angles are the shape, bodies and markers tell of it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ccgen.errors import InputError
+from ccgen.recordings.bodies import body_references
 from ccgen.recordings.dense import dense_references
+from ccgen.recordings.gains import Calibration
 from ccgen.recordings.recording import Recording
 from ccgen.recordings.reference import Reference
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
 
+Floats = NDArray[np.float64]
+
 
 def references(
     joint: "Joint", recordings: Sequence[Recording], without_block: int | None = None
 ) -> tuple[Reference, ...]:
     """Turn recordings into reference shapes, and learn of their sensors.
+
+    Recordings with segment angles know the whole shape: gains that they tell are known beforehand
+    for those with bodies.
 
     Args:
         joint: whose recordings they are.
@@ -29,10 +40,56 @@ def references(
     Raises:
         InputError: a recording that makes no reference; in one line which, and what would.
     """
-    for recording in recordings:
-        if not recording.dense:
-            raise InputError(
-                f"{recording.source}: has no segment angles, and this version makes no "
-                "reference of bodies; add columns u0 ... v0 ..., or remove it from [[recordings]]"
-            )
-    return dense_references(joint, recordings, without_block)
+    known = [_with_shape(joint, recording) for recording in recordings]
+    dense = [i for i, recording in enumerate(known) if recording.dense]
+    bodies = [i for i, recording in enumerate(known) if not recording.dense]
+    kinds = [(dense, dense_references), (bodies, body_references)]
+    if not any(known[i].file.use == "fit" and known[i].counts is not None for i in dense):
+        kinds.reverse()
+    common: Calibration | None = None
+    made: dict[int, Reference] = {}
+    for numbers, kind in kinds:
+        some = kind(joint, [known[i] for i in numbers], without_block, common)
+        made |= dict(zip(numbers, some, strict=True))
+        common = _told(some)
+    return tuple(made[i] for i in range(len(known)))
+
+
+def _with_shape(joint: "Joint", recording: Recording) -> Recording:
+    """A recording of counts alone with the one shape that is known of it: straight.
+
+    Raises:
+        InputError: it names no straight stretch.
+    """
+    if recording.dense or any(body.station is not None for body in recording.bodies):
+        return recording
+    straight = recording.file.straight
+    if straight is None:
+        raise InputError(
+            f"{recording.source}: tells nothing of the joint's shape; add angles or bodies, or "
+            "straight = [t0, t1], the seconds in which the joint was straight"
+        )
+    rows, m = recording.within(straight), joint.geometry.segments
+    known = np.where(rows, 0.0, np.nan)[:, None]
+    h = np.tile(known, len(joint.geometry.sections))
+    return replace(recording, u=np.tile(known, m), v=np.tile(known, m), h=h)
+
+
+def _told(references: Sequence[Reference]) -> Calibration | None:
+    """What references to fit to tell of the sensors; None where they tell nothing."""
+    telling = [one for one in references if one.use == "fit" and one.gain is not None]
+    if not telling:
+        return None
+
+    def each(name: str) -> Floats:
+        return np.stack([getattr(one, name) for one in telling])
+
+    first = telling[0]
+    return Calibration(
+        each("gain")[0],
+        each("gain_std")[0],
+        each("zero"),
+        each("zero_std"),
+        each("noise")[0],
+        np.ones_like(first.state[:, :0]),
+    )

@@ -1,0 +1,202 @@
+"""References of recordings that follow bodies or markers: the most probable shape of each row.
+
+Few bodies do not determine many segments: bodies and readings together, with what all rows share,
+say most of it (`ccgen.recordings.pooled`); what is left open stays with the prior and shows in the
+covariance. What is shared is learned from some of the rows; shapes come of all of them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.recordings.frames import mounted, sighted
+from ccgen.recordings.gains import Calibration, Sensed, borrowed, stretch_zero
+from ccgen.recordings.learning import independent_rows, shapes
+from ccgen.recordings.lengths import expected_changes, read_lengths
+from ccgen.recordings.likelihood import Lengths, Parameters, Posterior
+from ccgen.recordings.modes import Model, joint_model
+from ccgen.recordings.pooled import Part, Shared, pooled, usual, with_twist
+from ccgen.recordings.recording import Recording
+from ccgen.recordings.reference import Reference, learned_rows
+from ccgen.recordings.refined import refined, unstated
+from ccgen.recordings.sensors import RecordedSensors, recorded_sensors
+from ccgen.recordings.sights import Frame, Sights, evidence, outliers
+from ccgen.recordings.stations import Sighting
+
+if TYPE_CHECKING:
+    from ccgen.joint import Joint
+
+Floats = NDArray[np.float64]
+
+_FRAME_ROWS = 400
+"""From which a frame is found."""
+
+
+def body_references(
+    joint: "Joint",
+    recordings: Sequence[Recording],
+    without_block: int | None,
+    common: Calibration | None = None,
+) -> tuple[Reference, ...]:
+    """References of recordings with bodies; arguments as of `references`.
+
+    Args:
+        common: what other recordings of the joint told of its sensors.
+    """
+    sensors = recorded_sensors(joint)
+    model = joint_model(joint)
+    telling: dict[int, Part] = {}
+    for i, recording in enumerate(recordings):
+        if recording.file.use == "fit":
+            telling[i] = _part(joint, recording, model, sensors, without_block)
+    shared, settled = pooled(joint, list(telling.values()), model, sensors, common)
+    telling = dict(zip(telling, settled, strict=True))
+    made = []
+    for i, recording in enumerate(recordings):
+        if i in telling:
+            group = list(telling).index(i)
+            sensed = None if shared.calibration is None else shared.calibration.of(group)
+            made.append(_reference(telling[i], shared, sensed, sensors))
+        else:
+            part = _part(joint, recording, model, sensors, None, settled)
+            made.append(_reference(part, shared, _borrowed(part, shared, common, sensors), sensors))
+    return tuple(made)
+
+
+def _part(
+    joint: "Joint",
+    recording: Recording,
+    model: Model,
+    sensors: RecordedSensors,
+    without_block: int | None,
+    others: Sequence[Part] = (),
+) -> Part:
+    """Lay a recording's bodies and readings beside each other, with shapes by the bodies alone.
+
+    Args:
+        others: recordings to fit to, from which one to score with takes what is fixed to bodies.
+    """
+    sights, frame, spread = sighted(recording, joint.geometry)
+    allowed = learned_rows(recording, without_block)
+    seen = np.flatnonzero(allowed & sights.seen)
+    share = _independent(sights.position[seen].reshape(len(seen), -1)) / max(len(seen), 1)
+    alike = [o for o in others if o.sights.names == sights.names and not o.spread.certain]
+    if alike and not spread.certain:
+        frame = alike[0].frame
+        sights = alike[0].sights.noise_of(sights)
+    else:
+        some = sights.rows(seen[:: max(1, len(seen) // _FRAME_ROWS)])
+        if sights.oriented and not spread.certain:
+            blind = replace(some, rotation=np.full_like(some.rotation, np.nan))
+            states = _by_bodies(blind, frame, model, _nothing_learned(model))
+            frame = mounted(some, frame, states)
+        some, frame = refined(some, frame, spread, usual(model), share, noisy=unstated(recording))
+        sights = some.noise_of(sights)
+    state = _by_bodies(sights, frame, model, _nothing_learned(model))
+    read = None
+    if recording.counts is not None:
+        expected = expected_changes(state[:, :-1], sensors.matrix)
+        expected[~sights.seen] = np.nan
+        read = read_lengths(recording, sensors, expected, allowed)
+    return Part(recording, sights, frame, spread, seen, share * len(seen), state, read)
+
+
+def _independent(signals: Floats) -> float:
+    known = signals[:, ~np.isnan(signals).all(axis=0)]
+    return independent_rows(known) if known.size else 1.0
+
+
+def _nothing_learned(model: Model) -> Parameters:
+    sizes, compliances = np.zeros(model.sizes), np.zeros(len(model.compliance_std))
+    return Parameters(compliances, sizes, np.zeros(0), np.zeros((1, 0)))
+
+
+def _by_bodies(sights: Sights, frame: Frame, model: Model, at: Parameters) -> Floats:
+    """Most probable states by the bodies alone, twist included, shape (N, p)."""
+    N, p = len(sights), len(model.basis)
+    none = np.zeros(0)
+    nothing = Lengths(
+        np.zeros((N, 0)), np.zeros((0, p)), np.zeros(N, dtype=np.intp),
+        none, none, np.zeros((1, 0)), np.zeros((1, 0)), none,
+    )  # fmt: skip
+    at = replace(at, gain=none, zero=np.zeros((1, 0)))
+    far = replace(sights, near=False)
+    state = shapes(lambda x: evidence(far, frame, x), model, nothing, at, np.zeros((N, p))).state
+    return shapes(lambda x: evidence(sights, frame, x), model, nothing, at, state).state
+
+
+def _borrowed(
+    part: Part, shared: Shared, common: Calibration | None, sensors: RecordedSensors
+) -> Sensed | None:
+    """What is known of the sensors in a recording to score with."""
+    if part.read is None:
+        return None
+    told = shared.calibration or common
+    gain = np.ones(len(sensors.names)) if told is None else told.gain
+    state = _by_bodies(part.sights, part.frame, shared.model, shared.found)
+    change = expected_changes(state[:, :-1], sensors.matrix)
+    own = stretch_zero(part.recording, change, part.read.lengths, gain)
+    return borrowed(told, own, sensors)
+
+
+def _reference(
+    part: Part, shared: Shared, sensed: Sensed | None, sensors: RecordedSensors
+) -> Reference:
+    recording, read = part.recording, part.read
+    known = None if read is None else sensed
+    posterior = _posterior(part, shared, known, sensors)
+    return Reference(
+        name=f"recording:{recording.file.file}",
+        use=recording.file.use,
+        t=recording.t,
+        dense=False,
+        state=posterior.state[:, :-1],
+        covariance=posterior.covariance[:, :-1, :-1],
+        second_moment=shared.second_moment[:-1, :-1],
+        lengths=None if read is None else read.lengths,
+        gain=None if known is None else known.gain,
+        gain_std=None if known is None else known.gain_std,
+        zero=None if known is None else known.zero,
+        zero_std=None if known is None else known.zero_std,
+        noise=None if known is None else known.noise,
+        delay_s=0.0 if read is None else read.delay.seconds,
+        delay_std_s=0.0 if read is None else read.delay.std,
+        notes=recording.notes + _said(part, posterior),
+        sighting=Sighting(part.sights, part.frame, posterior.state, posterior.covariance),
+    )
+
+
+def _posterior(
+    part: Part, shared: Shared, sensed: Sensed | None, sensors: RecordedSensors
+) -> Posterior:
+    """Shapes of all rows, by bodies and readings."""
+    N, n = len(part.sights), len(sensors.names)
+    if sensed is None:
+        none = np.zeros(n)
+        sensed = Sensed(none, none, none, none, np.ones(n))
+    usable = np.isfinite(sensed.noise)
+    lengths = np.where(usable, part.lengths(n), np.nan)
+    seen = Lengths(
+        length=lengths,
+        matrix=with_twist(sensors.matrix),
+        group=np.zeros(N, dtype=np.intp),
+        gain=sensed.gain,
+        gain_std=sensed.gain_std,
+        zero=sensed.zero[None],
+        zero_std=sensed.zero_std[None],
+        noise=np.where(usable, sensed.noise, 1.0),
+    )
+    at = replace(shared.found, gain=sensed.gain, zero=sensed.zero[None])
+    return shapes(
+        lambda x: evidence(part.sights, part.frame, x), shared.model, seen, at, part.state
+    )
+
+
+def _said(part: Part, posterior: Posterior) -> tuple[str, ...]:
+    """What a reader of results should know of the rows, a line each."""
+    source = part.recording.source
+    notes = list(outliers(part.sights, part.frame, posterior.state, source))
+    return (*notes, *(part.read.notes(source) if part.read is not None else ()))

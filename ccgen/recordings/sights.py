@@ -1,0 +1,212 @@
+"""What bodies and markers say of a joint's state: residuals, derivatives, and evidence from them.
+
+A body at a station lies where the chain of segments puts the station, moved by an offset; a frame
+leads from where it was recorded to the joint's base. Of an orientation counts the direction of the
+joint alone: about that axis trackers often take a body's markers for each other.
+Positions and orientations far off count less, by the weights of Student's distribution.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.kinematics.rotations import skew
+from ccgen.kinematics.stations import Places, Seen, seen_from_base
+from ccgen.recordings.likelihood import Evidence
+
+Floats = NDArray[np.float64]
+
+_FREEDOM = 4.0
+"""Degrees of freedom of Student's distribution: outliers of more than two deviations count less."""
+_OUTLIER = 0.25
+"""Weight below which a body counts as an outlier in a row."""
+_MEDIAN = 2.366
+"""Of the sum of three squared standard normal numbers."""
+_SMALL = 1e-12
+_ROWS = 1000
+"""Rows that are linearised at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sights:
+    """B bodies at their stations in N rows, near the base frame.
+
+    Attributes:
+        names: of the bodies.
+        at: stations, shape (B,), metres along the joint without elongation.
+        where: the stations as places on the chain.
+        position: shape (N, B, 3), metres; NaN where a body was not seen.
+        rotation: shape (N, B, 3, 3); NaN where unknown.
+        position_noise: one standard deviation of a coordinate from the chain, metres.
+        orientation_noise: one standard deviation of a direction about an axis, radians.
+    """
+
+    names: tuple[str, ...]
+    at: Floats
+    where: Places
+    position: Floats
+    rotation: Floats
+    position_noise: float
+    orientation_noise: float
+    stated_noise: tuple[float, float]
+    """Both as stated, or as rows jump about: without what a chain of segments misses."""
+    near: bool = True
+    """Whether shapes are known so well already that what lies far off is an outlier."""
+
+    @property
+    def oriented(self) -> bool:
+        """Whether any orientation is known."""
+        return not bool(np.isnan(self.rotation).all())
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Which rows any body was seen in, shape (N,)."""
+        return np.asarray(~np.isnan(self.position.sum(axis=2)).all(axis=1))
+
+    def rows(self, chosen: "slice | NDArray[np.intp]") -> "Sights":
+        """Some rows of it."""
+        return replace(self, position=self.position[chosen], rotation=self.rotation[chosen])
+
+    def noise_of(self, others: "Sights") -> "Sights":
+        """Other rows with the noise of these."""
+        return replace(
+            others,
+            position_noise=self.position_noise,
+            orientation_noise=self.orientation_noise,
+        )
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """What is constant between bodies and a joint of B stations.
+
+    Attributes:
+        rotation: axes of the joint's base in the frame of `Sights`, shape (3, 3).
+        origin: of the joint's base there, shape (3,), metres.
+        offset: of each body from its station, in the station's frame, shape (B, 3), metres.
+        tangent: the joint's direction at its station in each body's own frame, shape (B, 3).
+    """
+
+    rotation: Floats
+    origin: Floats
+    offset: Floats
+    tangent: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """Residuals of N rows about some states: positions of B bodies, then directions where known.
+
+    Attributes:
+        residual: seen less expected, 0 where not seen, shape (N, Q, 3), metres and radians, for
+            Q = B, or 2B where any direction is known.
+        by_state: derivative of what is expected, shape (N, Q, 3, p).
+        weight: by which squares count, shape (N, Q); 0 where not seen.
+        trust: that weight over the one of a body that is no outlier, shape (N, Q).
+        seen: the chain's poses.
+        place: of the bodies in the base frame as seen, shape (N, B, 3).
+    """
+
+    residual: Floats
+    by_state: Floats
+    weight: Floats
+    trust: Floats
+    seen: Seen
+    place: Floats
+
+
+def linearised(sights: Sights, frame: Frame, states: Floats) -> Linear:
+    """Residuals about states of shape (N, p), u, v, h and twist."""
+    seen = seen_from_base(states, sights.where)
+    place = (sights.position - frame.origin) @ frame.rotation
+    offset = (seen.rotation @ frame.offset[..., None])[..., 0]
+    residual = place - seen.position - offset
+    by_state = seen.linear - skew(offset) @ seen.angular
+    freedom = np.full(len(sights.at), 3.0)
+    if sights.oriented:
+        expected = seen.rotation[..., 2]
+        turned = _shortest(expected, tangents(sights, frame))
+        across = np.eye(3) - expected[..., :, None] * expected[..., None, :]
+        residual = np.concatenate([residual, turned], axis=1)
+        by_state = np.concatenate([by_state, across @ seen.angular], axis=1)
+        freedom = np.concatenate([freedom, freedom - 1.0])
+    missing = np.asarray(np.isnan(residual).any(axis=2))
+    residual = np.where(missing[..., None], 0.0, residual)
+    noise = np.repeat([sights.position_noise, sights.orientation_noise], len(sights.at))
+    square = np.square(residual).sum(axis=2)
+    scale = np.broadcast_to(np.square(noise[: len(freedom)]), square.shape)
+    if not sights.near:
+        scale = _row_scale(square, missing, scale, len(sights.at))
+    trust = ~missing * (_FREEDOM + freedom) / (_FREEDOM + square / scale)
+    return Linear(residual, by_state, trust / scale, trust, seen, place)
+
+
+def tangents(sights: Sights, frame: Frame) -> Floats:
+    """Directions of the joint at its stations as seen, in the base frame, shape (N, B, 3)."""
+    own = (sights.rotation @ frame.tangent[..., None])[..., 0]
+    return np.asarray(own @ frame.rotation)
+
+
+def _shortest(start: Floats, end: Floats) -> Floats:
+    """Rotation vectors (..., 3) that take unit vectors to others the shortest way."""
+    axis = np.cross(start, end)
+    sine = np.linalg.norm(axis, axis=-1, keepdims=True)
+    angle = np.arctan2(sine, (start * end).sum(axis=-1, keepdims=True))
+    return np.asarray(np.where(sine > _SMALL, axis * angle / np.maximum(sine, _SMALL), axis))
+
+
+def evidence(sights: Sights, frame: Frame, states: Floats) -> Evidence:
+    """What bodies say of states, linearised about them; some rows at a time."""
+    parts = [
+        _evidence(sights.rows(slice(i, i + _ROWS)), frame, states[i : i + _ROWS])
+        for i in range(0, len(states), _ROWS)
+    ]
+    return Evidence(
+        np.concatenate([part.information for part in parts]),
+        np.concatenate([part.potential for part in parts]),
+    )
+
+
+def _row_scale(square: Floats, missing: NDArray[np.bool_], least: Floats, B: int) -> Floats:
+    """Variance of a coordinate in each row by the median body, no less than the noise's; (N, Q)."""
+    known = np.where(missing, np.nan, square)
+    scale = np.empty_like(square)
+    for kind in (slice(0, B), slice(B, None)):
+        if scale[:, kind].size:
+            blank = missing[:, kind].all(axis=1)
+            known[blank, kind] = 0.0
+            scale[:, kind] = np.nanmedian(known[:, kind], axis=1)[:, None] / _MEDIAN
+    return np.asarray(np.maximum(scale, least))
+
+
+def outliers(sights: Sights, frame: Frame, states: Floats, source: str) -> tuple[str, ...]:
+    """What is to be said of bodies that were out of sight or far off, a line a body."""
+    B = len(sights.names)
+    trust = np.concatenate(
+        [
+            linearised(sights.rows(slice(i, i + _ROWS)), frame, states[i : i + _ROWS]).trust[:, :B]
+            for i in range(0, len(states), _ROWS)
+        ]
+    )
+    said = []
+    for name, own in zip(sights.names, trust.T, strict=True):
+        hidden, far = int((own == 0).sum()), int(((own > 0) & (own < _OUTLIER)).sum())
+        if hidden:
+            said.append(f"{source}: {name} is out of sight in {hidden} of {len(own)} rows")
+        if far:
+            said.append(f"{source}: {name} is far off and counts little in {far} rows")
+    return tuple(said)
+
+
+def _evidence(sights: Sights, frame: Frame, states: Floats) -> Evidence:
+    at = linearised(sights, frame, states)
+    N, p = states.shape
+    J = at.by_state.reshape(N, -1, p)
+    weighed = J * np.repeat(at.weight, 3, axis=1)[..., None]
+    target = at.residual.reshape(N, -1) + (J @ states[..., None])[..., 0]
+    potential = (target[:, None, :] @ weighed)[:, 0]
+    return Evidence(np.swapaxes(weighed, 1, 2) @ J, potential)

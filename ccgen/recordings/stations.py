@@ -1,0 +1,165 @@
+"""Errors of estimates at the stations of bodies: what a recording without dense angles can tell.
+
+Positions are held against the bodies themselves, bends against orientations where those are known;
+noise of the reference is taken off in quadrature. Where no orientation is known, bends and lengths
+are held against the most probable shapes. What those leave open is independent of every estimate
+from the same readings, so its variance is added.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ccgen.kinematics.rotations import logarithm, without_twist
+from ccgen.kinematics.stations import Places, seen_from_base
+from ccgen.recordings.sights import Frame, Sights, tangents
+
+Floats = NDArray[np.float64]
+
+_OUTLIER = 10.0
+"""Standard deviations: bodies farther from the most probable shape are errors of the reference."""
+
+
+@dataclass(frozen=True)
+class StationErrors:
+    """Root mean squares over a recording's rows at one station; NaN where nothing is known.
+
+    Attributes:
+        position_rms_m: distance from where the body was seen.
+        bend_rms_deg: by axis "u" and "v", bend from the station before, or from the base.
+        arc_length_rms_m: length of the joint from its base to the station.
+    """
+
+    position_rms_m: float
+    bend_rms_deg: Mapping[str, float]
+    arc_length_rms_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class Sighting:
+    """Bodies in the joint's frame with the most probable shapes: all that errors at stations need.
+
+    Attributes:
+        sights: the bodies.
+        frame: from where they were recorded to the joint.
+        state: most probable, twist included, shape (N, p).
+        covariance: of that, shape (N, p, p).
+    """
+
+    sights: Sights
+    frame: Frame
+    state: Floats
+    covariance: Floats
+
+    def errors(self, estimate: Floats) -> dict[str, StationErrors]:
+        """Errors of an estimate at each station, by the body's name.
+
+        Args:
+            estimate: shape (N, 2m + S), radians and shares; rows with a NaN are left out.
+        """
+        rows = np.flatnonzero(~np.isnan(estimate).any(axis=1))
+        order = np.argsort(self.sights.at, kind="stable")
+        if not len(rows):
+            nothing = StationErrors(np.nan, {"u": np.nan, "v": np.nan}, np.nan)
+            return {self.sights.names[b]: nothing for b in order}
+        states = np.concatenate([estimate[rows], np.zeros((len(rows), 1))], axis=1)
+        told = _Poses.of(states, self.sights.where, self.frame)
+        best = _Poses.of(self.state[rows], self.sights.where, self.frame)
+        return {
+            self.sights.names[b]: StationErrors(
+                self._position(b, rows, told, best),
+                self._bend(b, order[i - 1] if i else None, rows, told, best),
+                self._length(b, rows, states),
+            )
+            for i, b in enumerate(order)
+        }
+
+    def _position(self, b: int, rows: NDArray[np.intp], told: "_Poses", best: "_Poses") -> float:
+        frame, noise = self.frame, self.sights.position_noise
+        own = self.sights.stated_noise[0]
+        seen = (self.sights.position[rows, b] - frame.origin) @ frame.rotation
+        sound = np.linalg.norm(seen - best.place[:, b], axis=1) < _OUTLIER * noise
+        off = np.square(seen - told.place[:, b]).sum(axis=1)[sound]
+        return _root(off, -3 * own**2)
+
+    def _bend(
+        self,
+        b: int,
+        before: "int | None",
+        rows: NDArray[np.intp],
+        told: "_Poses",
+        best: "_Poses",
+    ) -> dict[str, float]:
+        own = _between(told.tangent, b, before)
+        noise = self.sights.stated_noise[1]
+        known = _between(tangents(self.sights.rows(rows), self.frame), b, before)
+        if not np.isnan(known).all():
+            extra = np.full(2, -(noise**2) * (1 if before is None else 2))
+        else:
+            known = _between(best.tangent, b, before)
+            extra = self._open(b, before, rows)
+        square = np.square(own - known)
+        return {
+            axis: float(np.degrees(_root(square[:, k], float(extra[k]))))
+            for k, axis in enumerate("uv")
+        }
+
+    def _open(self, b: int, before: "int | None", rows: NDArray[np.intp]) -> Floats:
+        """Mean variance of the bends u and v between stations in the most probable shapes."""
+        where = self.sights.where
+        m = sum(where.sections)
+        along = np.zeros((2, self.state.shape[1]))
+        first = 0 if before is None else where.end[before]
+        pieces = slice(first, where.end[b])
+        for axis in (0, 1):
+            np.add.at(along[axis], axis * m + where.segment[pieces], where.share[pieces])
+        left = np.einsum("ap,npq,aq->a", along, self.covariance[rows], along, optimize=True)
+        return np.asarray(left / len(rows))
+
+    def _length(self, b: int, rows: NDArray[np.intp], states: Floats) -> float:
+        where = self.sights.where
+        m, sections = sum(where.sections), len(where.sections)
+        section = np.repeat(np.arange(sections), where.sections)[where.segment[: where.end[b]]]
+        along = np.zeros(self.state.shape[1])
+        np.add.at(along, 2 * m + section, where.length * where.share[: where.end[b]])
+        off = np.square((states - self.state[rows]) @ along)
+        left = np.einsum("p,npq,q->", along, self.covariance[rows], along) / len(rows)
+        return _root(off, float(left))
+
+
+@dataclass(frozen=True, eq=False)
+class _Poses:
+    """Where bodies are and how stations lie for N states."""
+
+    place: Floats  # (N, B, 3)
+    tangent: Floats  # (N, B, 3)
+
+    @classmethod
+    def of(cls, states: Floats, where: Places, frame: Frame) -> "_Poses":
+        seen = seen_from_base(states, where)
+        offset = (seen.rotation @ frame.offset[..., None])[..., 0]
+        return cls(seen.position + offset, seen.rotation[..., 2])
+
+
+def _between(tangent: Floats, b: int, before: "int | None") -> Floats:
+    """Bends u and v from one station, or the base, to another, shape (N, 2); NaN where unknown.
+
+    The shortest rotation from one direction of the joint to the other, in a frame without twist.
+    """
+    axis = np.array([0.0, 0.0, 1.0])
+    start = axis if before is None else tangent[:, before]
+    there = ~np.isnan(tangent[:, b] + start).any(axis=1)
+    found = np.full((len(tangent), 2), np.nan)
+    end = tangent[there, b]
+    if before is not None:
+        end = (np.swapaxes(without_twist(axis, start[there]), -1, -2) @ end[..., None])[..., 0]
+    found[there] = logarithm(without_twist(axis, end))[:, :2]
+    return found
+
+
+def _root(squares: Floats, extra: float) -> float:
+    """Root of the mean of squares and something more; NaN where there is none."""
+    known = squares[~np.isnan(squares)]
+    return float(np.sqrt(max(float(known.mean()) + extra, 0.0))) if len(known) else float("nan")
