@@ -30,7 +30,8 @@ def compile_objects(
 
 
 def _object(store: Path, file: Path, command: tuple[str, ...]) -> Path:
-    content = f"{command}{file.name}".encode() + file.read_bytes() + _included()
+    folders = (option for option in (*command, *runtime_c.INCLUDE) if option.startswith("-I"))
+    content = f"{command}{file.name}".encode() + file.read_bytes() + _included(tuple(folders))
     kept = store / f"{file.stem}-{hashlib.sha256(content).hexdigest()[:16]}.o"
     if not kept.exists():
         made = kept.with_suffix(f".{os.getpid()}.o")
@@ -40,10 +41,10 @@ def _object(store: Path, file: Path, command: tuple[str, ...]) -> Path:
 
 
 @cache
-def _included() -> bytes:
-    """All that a file may include."""
-    folders = [Path(option.removeprefix("-I")) for option in runtime_c.INCLUDE]
-    found = (path for folder in folders for path in sorted(folder.rglob("*.[ch]")))
+def _included(folders: tuple[str, ...]) -> bytes:
+    """All that a file may include from folders, given as the compiler's options."""
+    paths = (Path(option.removeprefix("-I")) for option in folders)
+    found = (path for folder in paths for path in sorted(folder.rglob("*.[ch]")))
     return b"".join(path.read_bytes() for path in found)
 
 

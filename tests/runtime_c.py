@@ -42,7 +42,7 @@ def compile_c(
 ) -> Path:
     """Compile and link with every warning an error; fails the test with the compiler's words."""
     out = target or next_build()
-    command = [compiler, *C99, *WARNINGS, *INCLUDE, *flags, *map(str, files), "-o", str(out)]
+    command = [compiler, *C99, *WARNINGS, *flags, *INCLUDE, *map(str, files), "-o", str(out)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stderr}"
     return out

@@ -245,17 +245,35 @@ def test_cases_cover_narrow_and_wide_and_do_saturate():
 
 
 def ramp(precision: int, sign: int, shift: int) -> Case:
-    """angle = sign * limit + count - zero: reaches every value around a limit."""
-    weights = np.full((8, 1), 1 << shift)
-    bias = np.full(8, sign * (2 ** (precision - 1) - 1) << shift)
-    ends = [np.array([value]) for value in (-50, 50, 0)]
-    model = AxisModel("u", precision, weights, bias, shift, 10, *ends, True, 0, 0.0, 0.0)
+    """angle = sign * limit + count - zero: reaches every value around a limit.
+
+    Where a weight cannot hold a whole step, several counts are one, and the proof keeps sums a step
+    away from the ends of their type: angles then end a count inside the limit.
+    """
+    bits = min(shift, precision - 2)
+    counts = 1 << (shift - bits)
+    inside = 1 << bits if counts > 1 else 0
+    weights = np.full((8, 1), 1 << bits)
+    bias = np.full(8, sign * (((2 ** (precision - 1) - 1) << shift) - inside))
+    ends = sorted((-50 * counts * sign, 0 if inside else 50 * sign))
+    minimum, maximum = (np.array([end]) for end in ends)
+    zero = np.array([0])
+    model = AxisModel(
+        "u", precision, weights, bias, shift, 10, minimum, maximum, zero, True, 0, 0.0, 0.0
+    )
     return Case(f"ramp{precision}_{shift}_{'up' if sign > 0 else 'down'}", model)
+
+
+def every_count(model: AxisModel) -> NDArray[np.int64]:
+    """Of a model with one sensor; shape (counts, 1)."""
+    return np.arange(model.minimum[0], model.maximum[0] + 1)[:, None]
 
 
 RAMPS = [
     ramp(bits, sign, shift)
-    for (bits, shift), sign in product(((16, 0), (16, 7), (32, 0), (32, 1), (32, 20)), (1, -1))
+    for (bits, shift), sign in product(
+        ((16, 0), (16, 7), (16, 16), (32, 0), (32, 1), (32, 20)), (1, -1)
+    )
 ]
 """Both limits in both widths, at several scales."""
 
@@ -266,7 +284,7 @@ def test_saturation_is_exact_step_by_step_around_both_limits(halves):
     flags = ("-O1", f"-DCCGEN_HALVES={halves}", *UNDEFINED)
     library = library_of(functions_of(RAMPS), COMPILERS[0], flags)
     for case in RAMPS:
-        counts = np.arange(-50, 51)[:, None]
+        counts = every_count(case.model)
         result, angles = run(getattr(library, case.name), case.model, case.model.zero, counts)
         assert result == 0
         np.testing.assert_array_equal(angles, case.model.estimate(counts), case.name)
@@ -316,18 +334,31 @@ def test_counts_out_of_range_are_missing_and_nothing_is_written():
                 assert missing(model_of(library, case), held_at) == 1 << sensor
 
 
-def test_null_pointers_and_impossible_models_are_refused():
+def test_null_pointers_are_refused():
     library = kernels(COMPILERS[0], ("-O2",))
     some = (ctypes.c_int32 * 64)()
     for case in CASES:
         for zero, counts, angles in ((None, some, some), (some, None, some), (some, some, None)):
             assert getattr(library, case.name)(zero, counts, 1, angles) == ARGUMENT
         assert getattr(library, f"missing{case.model.precision}")(None, some) == ARGUMENT
-    for field, value in (("sensors", 0), ("sensors", 9), ("segments", 0), ("shift", 32)):
-        broken = Axis16(segments=1, sensors=1, shift=0)
+    assert not any(some)
+
+
+@pytest.mark.parametrize("precision", [16, 32])
+def test_impossible_models_are_refused(precision):
+    """Models of both precisions begin with the same fields."""
+    library = kernels(COMPILERS[0], ("-O2",))
+    late, missing = getattr(library, f"late{precision}"), getattr(library, f"missing{precision}")
+    case = next(case for case in CASES if case.model.precision == precision)
+    model = ctypes.string_at(model_of(library, case), ctypes.sizeof(Axis16))
+    some = (ctypes.c_int64 * 64)()
+    for field, value in (
+        ("sensors", 0), ("sensors", 9), ("segments", 0), ("segments", 65), ("shift", 2 * precision),
+    ):  # fmt: skip
+        broken = Axis16.from_buffer_copy(model)
         setattr(broken, field, value)
-        assert library.late16(ctypes.byref(broken), some, some, 1, some) == ARGUMENT
-        assert library.missing16(ctypes.byref(broken), some) == ARGUMENT
+        assert late(ctypes.byref(broken), some, some, 1, some) == ARGUMENT
+        assert missing(ctypes.byref(broken), some) == ARGUMENT
     assert not any(some)
 
 

@@ -1,7 +1,6 @@
 """HEALTH and COMMAND of an exported node: what it tells, and zeros asked for over the bus."""
 
 import ctypes
-import subprocess
 from functools import cache
 
 import can
@@ -9,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from runtime_c import C99, COMPILERS, HERE, UNDEFINED, WARNINGS
+from runtime_c import HERE, UNDEFINED, compile_c
 
 from ccgen.can.codec import Health, health_of
 from ccgen.export.package import export
@@ -57,11 +56,8 @@ def exported_from(text):
     export(parse_joint(text, "elbow.toml"), folder)
     files = [*sources(folder), folder / "ports" / "shared" / "shared.c", HERE / "zero.c"]
     include = [f"-I{folder / part}" for part in ("src", "ports")]
-    flags = [*C99, *WARNINGS, *UNDEFINED, "-O1", "-shared", "-fPIC", *include]
-    library = folder.parent / "libnode.so"
-    name = ["-DPORT_ZERO(name)=elbow_##name", "-o", str(library)]
-    subprocess.run([COMPILERS[0], *flags, *map(str, files), *name], check=True)
-    return open_exported(folder), ctypes.CDLL(str(library))
+    flags = (*UNDEFINED, "-O1", "-shared", "-fPIC", *include, "-DPORT_ZERO(name)=elbow_##name")
+    return open_exported(folder), ctypes.CDLL(str(compile_c(files, flags)))
 
 
 _FOLDERS: pytest.TempPathFactory

@@ -9,11 +9,11 @@ import pytest
 from runtime_c import Frame, Layout, frame, load
 from test_runtime_snapshot import CLASSIC, FD
 
-LENGTHS, ANGLES, TIP, STATUS, FOREIGN = range(5)
+LENGTHS, ANGLES, TIP, STATUS, HEALTH, COMMAND, FOREIGN = range(7)
 LAYOUTS = {"classic": CLASSIC, "fd": FD}
 KINDS = {
-    "classic": [LENGTHS] * 3 + [ANGLES] * 8 + [TIP, STATUS],
-    "fd": [LENGTHS] * 2 + [ANGLES] * 7 + [TIP, STATUS],
+    "classic": [LENGTHS] * 3 + [ANGLES] * 8 + [TIP, STATUS, HEALTH, COMMAND],
+    "fd": [LENGTHS] * 2 + [ANGLES] * 7 + [TIP, STATUS, HEALTH, COMMAND],
 }
 """Of 7 counts and 24 angles of 2 bytes, 3 a frame; of 16 and 96 of 4 bytes, 15 a frame."""
 
@@ -28,7 +28,7 @@ def kind_of(layout: Layout, id_: int, extended: bool) -> tuple[int, int]:
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
-def test_the_identifiers_from_lengths_to_status_are_the_joints_and_their_neighbours_foreign(name):
+def test_the_identifiers_from_lengths_to_command_are_the_joints_and_their_neighbours_foreign(name):
     layout, kinds = LAYOUTS[name], KINDS[name]
     for index, kind in enumerate(kinds):
         found = kind_of(layout, layout.base_id + index, layout.extended)
@@ -44,14 +44,16 @@ def test_an_identifier_of_the_other_length_is_foreign_whatever_its_number(name):
         assert kind_of(layout, layout.base_id + index, not layout.extended) == (FOREIGN, 99)
 
 
+@pytest.mark.parametrize("rate_switch", [False, True])
 @pytest.mark.parametrize("name", LAYOUTS)
-def test_a_frame_begins_anew_whatever_it_held(name):
-    layout = LAYOUTS[name]
+def test_a_frame_begins_anew_whatever_it_held(name, rate_switch):
+    layout = Layout.from_buffer_copy(LAYOUTS[name])
+    layout.rate_switch = rate_switch
     begun = Frame.from_buffer_copy(b"\1" * ctypes.sizeof(Frame))
     load().ccgen_layout_begin(ctypes.byref(layout), ctypes.c_uint16(5), ctypes.byref(begun))
     assert begun.id == layout.base_id + 5
     assert (begun.extended, begun.fd) == (layout.extended, layout.fd)
-    assert (begun.remote, begun.rate_switch) == (False, False)
+    assert (begun.remote, begun.rate_switch) == (False, layout.fd and rate_switch)
     assert begun.payload() == bytes(64 if layout.fd else 8)
 
 
@@ -61,7 +63,7 @@ def test_a_frame_begins_anew_whatever_it_held(name):
         ("sensors_u", (1, 8)), ("sensors_v", (1, 8)), ("segments", (1, 64)),
         ("count_bytes", (2, 4)), ("angle_bytes", (2, 2)), ("angle_bytes", (4, 4)),
         ("cycle_us", (500, 300_000_000)), ("window_us", (1, 1_000_000)),
-        ("base_id", (0, 0x7FF - 12)),
+        ("base_id", (0, 0x7FF - 14)),
     ],
 )  # fmt: skip
 def test_a_field_is_valid_up_to_both_its_ends_and_no_further(name, ends):
@@ -78,10 +80,10 @@ def test_a_field_is_valid_up_to_both_its_ends_and_no_further(name, ends):
 
 
 @pytest.mark.parametrize(("extended", "last"), [(False, 0x7FF), (True, 0x1FFFFFFF)])
-def test_the_status_frame_may_have_the_last_identifier_that_there_is(extended, last):
+def test_the_last_frame_may_have_the_last_identifier_that_there_is(extended, last):
     layout = Layout.from_buffer_copy(CLASSIC)
     layout.extended = extended
-    for base, fits in ((last - 12, True), (last - 11, False), (last, False), (last + 1, False)):
+    for base, fits in ((last - 14, True), (last - 13, False), (last, False), (last + 1, False)):
         layout.base_id = base
         assert bool(load().ccgen_layout_valid(ctypes.byref(layout))) == fits
 

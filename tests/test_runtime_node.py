@@ -241,6 +241,16 @@ def test_a_status_counts_as_sent_at_the_next_call_of_transmit():
     assert node.status(4 * CYCLE).faults == STALE
 
 
+def test_a_sensor_that_goes_missing_while_a_status_is_on_its_way_is_told_by_the_next():
+    node = Node()
+    node.send(0, COUNTS, 0)
+    node.fetch(0)
+    (got,) = node.fetch(2 * CYCLE, at_most=1)
+    assert node.status_of(got).faults == 0
+    node.send(1, (100, -32768, 300, 4000, -5000, 6000), 2 * CYCLE + 1)
+    assert node.status(2 * CYCLE + 1).faults == MISSING
+
+
 @pytest.mark.parametrize("fd", [False, True])
 def test_every_frame_of_an_answer_comes_again_as_often_as_it_is_taken_back(fd):
     node, twin = Node(fd), Node(fd)
@@ -455,6 +465,7 @@ def test_batch_jacobians_are_laid_out_row_by_row():
     [
         (0.0, 16, 0), (1.0, 10, 1024), (-1.0, 10, -1024), (0.5, 0, 1), (-0.5, 0, -1),
         (0.49999997, 0, 0), (1.5, 0, 2), (2.4999, 0, 2), (32766.5, 0, 32767), (1e9, 0, 32767),
+        (32767.4, 0, 32767), (32767.5, 0, 32767), (32767.9, 0, 32767), (32768.0, 0, 32767),
         (-1e9, 0, -32767), (-32767.4, 0, -32767), (-32767.5, 0, -32767), (-32767.9, 0, -32767),
         (-32768.0, 0, -32767), (-32766.5, 0, -32767), (-32766.4, 0, -32766),
         (math.inf, 0, 32767), (-math.inf, 3, -32767),

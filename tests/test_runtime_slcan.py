@@ -21,7 +21,8 @@ class Slcan:
 
     def __init__(self) -> None:
         self.c = load()
-        self.state = junk(self.c.probe_size(4))
+        self.size = self.c.probe_size(4)
+        self.state = junk(self.size + 8)
         assert self.c.ccgen_slcan_init(self.state) == 0
 
     def feed(self, data: bytes) -> tuple[bytes, list[Frame], int]:
@@ -39,6 +40,15 @@ class Slcan:
     @property
     def open(self) -> bool:
         return self.state.raw[7] == 1
+
+    @property
+    def listen_only(self) -> bool:
+        return self.state.raw[8] == 1
+
+    @property
+    def beyond(self) -> bytes:
+        """What lies behind the state."""
+        return self.state.raw[self.size :]
 
 
 def opened() -> Slcan:
@@ -180,21 +190,27 @@ def test_malformed_lines_are_refused_while_open_and_the_next_one_is_read(line):
 def test_listening_only_refuses_frames_to_the_bus():
     slcan = Slcan()
     assert slcan.feed(b"L\r") == (OK, [], 0)
-    assert slcan.open
+    assert (slcan.open, slcan.listen_only) == (True, True)
     assert slcan.feed(b"t1230\r") == (BELL, [], 1)
     assert slcan.feed(b"O\rt1230\r")[0] == OK * 2
+    assert slcan.feed(b"L\rC\r") == (OK * 2, [], 0)
+    assert (slcan.open, slcan.listen_only) == (False, False)
 
 
 @pytest.mark.parametrize("length", [139, 140, 255, 256, 257, 1000, 70_000])
 def test_overlong_lines_are_refused_as_one(length):
     slcan = opened()
+    before = slcan.beyond
     assert slcan.feed(b"t" * length + OK) == (BELL, [], 1)
+    assert slcan.beyond == before
     assert slcan.feed(b"t1230\r")[0] == OK
 
 
-def test_the_longest_line_fits():
-    _, received, refused = opened().feed(b"D1FFFFFFFF" + b"A5" * 64 + OK)
+def test_the_longest_line_fits_and_one_character_more_does_not():
+    longest = b"D1FFFFFFFF" + b"A5" * 64
+    _, received, refused = opened().feed(longest + OK)
     assert (len(received), refused) == (1, 0)
+    assert opened().feed(longest + b"0" + OK) == (BELL, [], 1)
 
 
 def test_line_feeds_are_ignored():
@@ -238,6 +254,7 @@ def test_what_cannot_be_encoded_is_refused_and_nothing_is_written():
     assert result(frame(0x20000000, b"", extended=True)) == RANGE
     assert result(frame(1, b"12345678"), 21) == RANGE
     assert result(frame(1, b"123456789")) == FORMAT
+    assert result(frame(1, b"123456789012")) == FORMAT
     assert result(frame(1, b"123456789", fd=True)) == FORMAT
     assert result(frame(1, b"", fd=True, remote=True)) == FORMAT
     assert buffer.raw == b"\x55" * 139

@@ -18,11 +18,11 @@ NAMES = ("snapshots", "corrupted", "malformed", "repeated", "reordered", "lost",
 
 CLASSIC = Layout(
     base_id=0x300, extended=False, fd=False, turn=True, sensors_u=3, sensors_v=4, segments=12,
-    count_bytes=2, angle_bytes=2, cycle_us=CYCLE, window_us=WINDOW,
+    count_bytes=2, angle_bytes=2, cycle_us=CYCLE, window_us=WINDOW, publish=7,
 )  # fmt: skip
 FD = Layout(
     base_id=0x18000, extended=True, fd=True, turn=False, sensors_u=8, sensors_v=8, segments=48,
-    count_bytes=4, angle_bytes=4, cycle_us=CYCLE, window_us=WINDOW,
+    count_bytes=4, angle_bytes=4, cycle_us=CYCLE, window_us=WINDOW, publish=7,
 )  # fmt: skip
 
 
@@ -202,6 +202,17 @@ def test_other_counts_in_a_taken_place_begin_a_new_snapshot():
     assert snapshot.counts == numbered(9)
     assert snapshot.counters == {"snapshots": 1, "lost": 1}
     assert snapshot.faults() == LOST
+
+
+@pytest.mark.parametrize("sensor", range(3))
+def test_one_other_count_is_enough_to_tell_two_sendings_apart(sensor):
+    snapshot = Snapshot()
+    send(snapshot, 1, 0)
+    counts = numbered(1)
+    counts[sensor] += 1
+    new = frames_of(CLASSIC, 1, counts)
+    assert [snapshot.receive(f, CYCLE) for f in new] == [0, 0, 1]
+    assert snapshot.counts == counts
 
 
 def test_other_counts_after_a_complete_snapshot_begin_a_new_one_of_its_number():
@@ -470,7 +481,8 @@ def test_age_counts_milliseconds_up_to_255_and_stays_there():
     for ms in (255, 256, 10_000):
         snapshot.tick(start + 1000 * ms)
         assert snapshot.age(start + 1000 * ms) == 255
-    snapshot.tick(start + 2**32)
+    for quarter in range(1, 5):  # the clock comes round to where the snapshot was
+        snapshot.tick(start + quarter * 2**30)
     assert snapshot.age(start + 2**32 + 1000) == 255
 
 

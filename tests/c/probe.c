@@ -4,6 +4,7 @@
  *
  * Includes the sample joint's source to reach its models.
  */
+#include "ccgen/integer.h"
 #include "ccgen/slcan.h"
 #include "ccgen/snapshot.h"
 #include "ccgen/tip.h"
@@ -16,6 +17,7 @@ void probe_snapshot(const ccgen_snapshot_t *snapshot, uint32_t counters[9]);
 uint8_t probe_take_faults(ccgen_snapshot_t *snapshot);
 const ccgen_layout_t *probe_sample_layout(void);
 uint32_t probe_overruns(const ccgen_node_t *node);
+int64_t probe_signed(int bits, uint64_t word);
 
 const ccgen_axis16_t *probe_axis(const int v) {
     return (v != 0) ? &v_axis : &u_axis;
@@ -50,4 +52,20 @@ const ccgen_layout_t *probe_sample_layout(void) {
 
 uint32_t probe_overruns(const ccgen_node_t *const node) {
     return node->overruns;
+}
+
+/** A word as a signed number of 16, 32 or 64 bits; 1 and 2: the lower and upper half of 32 bits. */
+int64_t probe_signed(const int bits, const uint64_t word) {
+    switch (bits) {
+        case 1:
+            return ccgen_low16((uint32_t)word);
+        case 2:
+            return ccgen_high16((uint32_t)word);
+        case 16:
+            return ccgen_signed16((uint16_t)word);
+        case 32:
+            return ccgen_signed32((uint32_t)word);
+        default:
+            return ccgen_signed64(word);
+    }
 }
