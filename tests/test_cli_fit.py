@@ -5,12 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from joint_files import joint_text
 
 from ccgen.cli.choices import Method
 from ccgen.cli.main import main
 from ccgen.estimation import FIT_METHODS, fit_joint
-from ccgen.figures.case_study import case_study_figure
+from ccgen.figures.case_study import case_study_figure, methods
 from ccgen.figures.style import planar_curve
+from ccgen.fixedpoint import fit as fit_of
 from ccgen.joint.file import parse_joint, read_joint
 from ccgen.kinematics import chain
 from ccgen.shapes import single_shape
@@ -114,6 +116,48 @@ def test_the_plot_is_the_same_bytes_each_time(capsys, tmp_path, name):
     assert data.startswith(b"<?xml" if name.endswith("svg") else b"\x89PNG")
 
 
+def noisy_joint(tables=""):
+    return parse_joint(joint_text(transducer="noise = 1e-4", tables=tables), "x.toml")
+
+
+def test_distances_with_noise_in_the_plot_are_those_of_readings_with_noise():
+    joint = noisy_joint()
+    estimator = dict(methods(fit_of(joint), "u"))["wam"]
+    shape = single_shape(12, "uniform", 0.05)
+    straight = planar_curve(estimator.angles(shape), 0.02)
+    rng = np.random.default_rng(0)
+    square = 0.0
+    for noise in rng.normal(size=(2000, 3)) * estimator.noise(shape):
+        read = estimator.read(shape) + noise
+        moved = planar_curve(estimator.weights.estimate(read), 0.02)
+        square = square + np.square(np.subtract(moved, straight)).sum(axis=0) / 2000
+    told = estimator.spread(shape, 0.02)
+    np.testing.assert_allclose(np.sqrt(square)[1:], told[1:], rtol=0.06)
+
+
+def test_the_plot_shows_distances_with_noise_and_without_where_noise_is_stated():
+    shown = case_study_figure(fit_of(noisy_joint()))
+    assert shown.legends[0].get_title().get_text() == (
+        "distances: RMS with sensor noise and the step of the counts; thin: without them"
+    )
+    for axes in shown.axes[3:]:
+        thin, thick = ([x for x in axes.lines if x.get_linewidth() == w] for w in (0.6, 1.2))
+        assert len(thin) == len(thick) == 3
+        for without, noisy in zip(thin, thick, strict=True):
+            assert np.all(noisy.get_ydata() > without.get_ydata())
+    silent = case_study_figure(fit_of(parse_joint(joint_text(), "x.toml")))
+    assert silent.legends[0].get_title().get_text() == ""
+    assert all(len(axes.lines) == 3 for axes in silent.axes[3:])
+
+
+def test_a_joint_that_is_fitted_to_loads_alone_is_drawn_under_the_cases_that_it_reaches():
+    tables = "[loads]\nactuation = [-9.0, 9.0]\nsamples = 10\n[shapes]\ncases = []"
+    assert len(case_study_figure(fit_of(noisy_joint(tables))).axes) == 6
+    steep = parse_joint(joint_text(range_of_motion=80.0, tables=tables), "x.toml")
+    titles = [axes.get_title() for axes in case_study_figure(fit_of(steep)).axes]
+    assert titles[:2] == ["End force", "Uniform load"]
+
+
 def test_a_curve_passes_through_the_ends_of_the_segments():
     angles = single_shape(12, "end-force", 0.05)
     deflection, height = planar_curve(angles, 0.02)
@@ -124,7 +168,7 @@ def test_a_curve_passes_through_the_ends_of_the_segments():
 
 
 def test_the_case_study_draws_figure_8():
-    figure = case_study_figure(read_joint(SHOULDER))
+    figure = case_study_figure(fit_of(read_joint(SHOULDER)))
     curves, errors = figure.axes[:3], figure.axes[3:]
     titles = [axes.get_title() for axes in curves]
     assert titles == ["End force", "Uniform load", "End force and moment"]
@@ -132,7 +176,8 @@ def test_the_case_study_draws_figure_8():
     tips = {}
     for panel, distances in zip(curves, errors, strict=True):
         assert [line.get_label() for line in panel.lines] == names
-        last = [float(line.get_ydata()[-1]) for line in distances.lines]
+        thin = [line for line in distances.lines if line.get_linewidth() < 1.0]
+        last = [float(line.get_ydata()[-1]) for line in thin]
         assert last[2] < 1e-5 < last[0] < last[1]
         tips[panel.get_title()] = float(panel.lines[0].get_xdata()[-1])
     assert tips["End force"] > tips["Uniform load"] > 0.03
@@ -146,7 +191,7 @@ def test_the_case_study_adds_another_method_and_knows_other_cases():
         ),
         "shoulder.toml",
     )
-    figure = case_study_figure(joint, "noise-aware")
+    figure = case_study_figure(fit_of(joint, "noise-aware"))
     assert [axes.get_title() for axes in figure.axes] == ["Constant curvature", ""]
     assert [line.get_label() for line in figure.axes[0].lines][-1] == "noise-aware"
 
@@ -155,7 +200,7 @@ def test_the_case_study_leaves_out_dem_where_sensors_outnumber_segments():
     text = SHOULDER.read_text().replace("segments = 12", "segments = 2")
     spans = "spans = [[0, 0], [0, 1], [1, 1]]"
     joint = parse_joint(text.replace('placement = "heuristic"\ncount = 3', spans), "x.toml")
-    figure = case_study_figure(joint)
+    figure = case_study_figure(fit_of(joint))
     assert [line.get_label() for line in figure.axes[0].lines] == ["actual", "E-WAM", "WAM"]
 
 

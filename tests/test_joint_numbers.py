@@ -17,7 +17,7 @@ from ccgen.joint.units import unit_doubts
 from ccgen.placement.exhaustive import covering
 from ccgen.placement.problem import Problem, as_spans
 from ccgen.placement.search import search
-from ccgen.shapes.cases import shape_library
+from ccgen.shapes.cases import shape_library, single_shape
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 SMALLEST = "5e-324"
@@ -147,6 +147,14 @@ def test_the_reach_that_a_refusal_names_is_reached(segments, case):
     assert library.angles[:, 0].max() == pytest.approx(math.radians(reach), rel=1e-15)
 
 
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("radians", [5e-324, 1e-300, 1e-150, 1e-99, 1e-50])
+def test_a_first_segment_bends_as_little_as_one_likes(case, radians):
+    angles = single_shape(3, case, radians)
+    assert abs(angles[0] - radians) < 1e-100
+    assert np.isfinite(angles).all()
+
+
 def test_one_segment_of_90_degrees_is_told_how_far_it_bends():
     with pytest.raises(ReachError, match=r"the only one reaches 89\.9991 degrees"):
         ccgen.fit(joint(segments=1, count=1, range_of_motion=90.0))
@@ -199,6 +207,13 @@ def test_bits_that_do_not_hold_the_movement_are_told_by_fit_as_export_refuses(tm
     assert f"{refused.value}; as it is, no fixed point can be exported" in fit.warnings
     assert "sensor 2 of axis u" in str(refused.value)
     assert "bits = 15" in str(refused.value)
+
+
+def test_a_joint_whose_counts_no_format_holds_is_told_all_the_rest():
+    fit = ccgen.fit(joint(bits=8, tables=LOADS, transducer="noise = 2e-5"))
+    assert fit.checks.notes == ("the sensors are not checked: no fixed point holds their counts",)
+    assert fit.errors
+    assert fit.without
 
 
 def full_range(precision):

@@ -59,9 +59,10 @@ def fit(
     if plot is not None:
         from ccgen.figures.case_study import case_study_figure
 
-        write_plot(plot, lambda: case_study_figure(joint, method))
+        write_plot(plot, lambda: case_study_figure(fitted))
+    record = as_json(fitted, axes)  # everything, before the first line is printed
     if json:
-        print_json(as_json(fitted, axes))
+        print_json(record)
         return
     show_fit(fitted, axes)
     warn(fitted.warnings)

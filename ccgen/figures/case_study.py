@@ -1,24 +1,20 @@
 """The paper's case study of the methods (figure 8)."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ccgen.estimation import (
-    Weights,
-    direct,
-    fit_coupled,
-    fit_weights,
-    in_the_papers_way,
-)
+from ccgen.errors import ReachError
+from ccgen.estimation import direct, in_the_papers_way
+from ccgen.estimation.fit import weights_of
+from ccgen.estimation.fitted import FittedWeights
+from ccgen.figures.estimators import Estimator, own_estimator, spans_estimator
 from ccgen.figures.style import label_curve, new_figure, planar_curve, styled
-from ccgen.joint import Joint
+from ccgen.joint import CASES, Joint
 from ccgen.joint.layouts import end_to_end
-from ccgen.sensing.noise import reading_noise
-from ccgen.sensing.readings import normalised_response, readings
-from ccgen.shapes import fit_library, fit_shapes, single_shape
+from ccgen.placement.problem import moved
+from ccgen.shapes import single_shape
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,9 +29,6 @@ _TITLES = {
     "constant-curvature": "Constant curvature",
 }
 
-Estimator = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-"""What is estimated of the true segment angles, shape (m,), radians."""
-
 # Colours of Okabe and Ito, told apart by readers with any colour vision.
 _ACTUAL: dict[str, Any] = {"color": "#000000", "linewidth": 4.0, "alpha": 0.25}
 _METHODS: dict[str, tuple[str, dict[str, Any]]] = {
@@ -45,26 +38,27 @@ _METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "noise-aware": ("noise-aware", {"color": "#009E73", "linestyle": ":"}),
     "wam-paper-call": ("WAM, paper's call", {"color": "#CC79A7", "linestyle": ":"}),
 }
+_WITHOUT_NOISE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.6}
+"""How distances without noise are drawn beside those with it."""
 
 
 @styled
-def case_study_figure(joint: Joint, method: str | None = None, axis: str | None = None) -> "Figure":
+def case_study_figure(fit: FittedWeights, axis: str | None = None) -> "Figure":
     """Draw actual and estimated curves of an axis under the joint's load cases (figure 8).
 
-    Below each curve stands how far the estimates lie from it. The joint is bent as far as its
-    range of motion allows.
+    Below each curve stands how far the estimates lie from it; where the joint states noise, as a
+    root mean square with it, and thinner without. The joint is bent as far as its range of motion
+    allows; all methods are fitted to what the fit was.
 
     Args:
-        joint: the specification.
-        method: drawn beside DEM, E-WAM and WAM; the joint's own by default.
+        fit: its method is drawn beside DEM, E-WAM and WAM.
         axis: "u" or "v"; the first that is estimated by default.
 
     Raises:
-        InputError: as `fit_joint`.
+        InputError: a method that cannot use the joint's sensors.
     """
-    cases = [case for case in joint.shapes.cases if case != "constant-curvature"]
-    cases = cases or list(joint.shapes.cases)
-    estimators = dict(_estimators(joint, method or joint.method, axis or joint.axes[0]))
+    joint, cases = fit.sensed, _cases(fit.joint)
+    estimators = dict(methods(fit, axis or joint.axes[0]))
     figure, (curves, errors) = new_figure((2.6 * len(cases) + 0.6, 6.0), len(cases), rows=2)
     for case, curve, error in zip(cases, curves, errors, strict=True):
         _draw_case(joint, case, estimators, curve, error)
@@ -74,37 +68,64 @@ def case_study_figure(joint: Joint, method: str | None = None, axis: str | None 
     curves[0].set_ylabel("height / m")
     errors[0].set_ylabel("distance from actual / m")
     handles, labels = curves[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    noisy = any(estimator.noise is not None for estimator in estimators.values())
+    figure.legend(
+        handles,
+        labels,
+        loc="outside lower center",
+        ncols=len(labels),
+        title=_told(joint) if noisy else None,
+    )
     return figure
 
 
-def _estimators(joint: Joint, method: str, axis: str) -> Iterator[tuple[str, Estimator]]:
-    """Methods by name, each with what it makes of a shape of the axis, the other one straight."""
-    names = dict.fromkeys(("direct", "equal", "wam", method))
-    if not in_the_papers_way(joint):
-        shapes = fit_shapes(joint)
-        for name in names:
-            if name != "direct" or method == "direct":
-                yield name, _of_state(joint, axis, fit_coupled(joint, axis, name, shapes))
-        return
-    library, spans = fit_library(joint), joint.axis(axis).spans
-    segments = joint.geometry.segments
-    noise = reading_noise(joint, axis)
-    for name in names:
-        if name != "direct":
-            yield name, _of_spans(fit_weights(name, library, spans, noise))
-        elif len(spans) <= segments:
-            # DEM knows no overlap: as many sensors, end to end.
-            yield name, _of_spans(direct(segments, end_to_end(segments, len(spans))))
+def _told(joint: Joint) -> str:
+    """What distances are told with."""
+    parts = ["sensor noise", "the step of the counts"]
+    if any(sensor.gain_tolerance for sensor in joint.sensors):
+        parts.insert(1, "the gains' tolerance")
+    return f"distances: RMS with {', '.join(parts[:-1])} and {parts[-1]}; thin: without them"
 
 
-def _of_spans(weights: Weights) -> Estimator:
-    return lambda angles: weights.estimate(readings(angles, weights.spans))
+def _cases(joint: Joint) -> list[str]:
+    """Cases to draw: the joint's, or those that it reaches; bent evenly only where no other is."""
+    cases = [case for case in joint.shapes.cases or CASES if case != "constant-curvature"]
+    if not joint.shapes.cases:
+        cases = [case for case in cases if _reached(joint, case)]
+    return cases or ["constant-curvature"]
 
 
-def _of_state(joint: Joint, axis: str, weights: Weights) -> Estimator:
-    seen = normalised_response(joint)[joint.own(axis), joint.rows(axis)]
-    return lambda angles: weights.estimate(seen @ angles)
+def _reached(joint: Joint, case: str) -> bool:
+    try:
+        single_shape(joint.geometry.segments, case, joint.geometry.range_of_motion)
+    except ReachError:
+        return False
+    return True
+
+
+def methods(fit: FittedWeights, axis: str) -> Iterator[tuple[str, Estimator]]:
+    """Methods by name, each with what it makes of shapes of an axis."""
+    joint, papers_way = fit.sensed, in_the_papers_way(fit.joint)
+    for name in dict.fromkeys(("direct", "equal", "wam", fit.method)):
+        if name == "direct" and papers_way:
+            yield from _end_to_end(joint, axis)
+        elif name == fit.method:
+            yield name, own_estimator(joint, axis, fit.weights[axis], fit.task.noise)
+        elif name != "direct":
+            weights = weights_of(fit.whole.quick, axis, name)
+            yield name, own_estimator(joint, axis, weights, fit.task.noise)
+
+
+def _end_to_end(joint: Joint, axis: str) -> Iterator[tuple[str, Estimator]]:
+    """DEM, which knows no overlap: as many sensors, end to end; nothing where they do not fit."""
+    segments, count = joint.geometry.segments, len(joint.axis(axis).spans)
+    if count <= segments:
+        spans = end_to_end(segments, count)
+        weights, placed = direct(segments, spans), moved(joint, axis, spans)
+        if placed is None:
+            yield "direct", spans_estimator(weights)
+        else:
+            yield "direct", own_estimator(placed, axis, weights)
 
 
 def _draw_case(
@@ -116,10 +137,13 @@ def _draw_case(
     along = np.linspace(0.0, geometry.length, len(actual[0]))
     curve.plot(*actual, label="actual", **_ACTUAL)
     for name, estimator in estimators.items():
-        estimated = planar_curve(estimator(angles), geometry.segment_length)
+        estimated = planar_curve(estimator.angles(angles), geometry.segment_length)
         label, style = _METHODS[name]
         curve.plot(*estimated, label=label, linewidth=1.2, **style)
         distance = np.hypot(estimated[0] - actual[0], estimated[1] - actual[1])
+        if estimator.noise is not None:
+            error.plot(along[1:], distance[1:], **style | _WITHOUT_NOISE)
+            distance = np.hypot(distance, estimator.spread(angles, geometry.segment_length))
         error.plot(along[1:], distance[1:], linewidth=1.2, **style)
     label_curve(curve, _TITLES[case])
     curve.set_ylabel("")

@@ -89,7 +89,7 @@ class Fit(FittedWeights):
         """How the joint's sensors are held against each other, and which faults are seen.
 
         Raises:
-            FormatError: as of `model`; ReachError: no draw of the joint's loads gives a shape.
+            ReachError: no draw of the joint's loads gives a shape.
         """
         return joint_checks(self.sensed, self.shapes, lambda: self.model)
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ccgen.errors import FormatError
 from ccgen.estimation.consistency.population import sound_readings, why_unchecked
 from ccgen.fixedpoint.checking import CheckedGroup, Transducers, checked_groups, detects
 from ccgen.fixedpoint.consistency import GroupCheck
@@ -64,9 +65,13 @@ def joint_checks(joint: Joint, shapes: Shapes, model: Callable[[], FixedPointMod
     why = why_unchecked(joint, shapes)
     if why is not None:
         return JointChecks(notes=(f"the sensors are not checked: {why}",))
+    try:
+        transducers = _transducers(joint, model())
+    except FormatError:
+        return JointChecks(notes=(_NO_COUNTS,))
     sound = sound_readings(joint, shapes)
     groups = [slice(*part) for part in dict.fromkeys(joint.parts)]
-    found = checked_groups(sound, groups, _transducers(joint, model()), joint.false_alarms)
+    found = checked_groups(sound, groups, transducers, joint.false_alarms)
     told = {}
     for one in found:
         largest = np.abs(sound.lengths[:, one.check.own]).max(axis=0)
@@ -80,6 +85,9 @@ def joint_checks(joint: Joint, shapes: Shapes, model: Callable[[], FixedPointMod
         sensors=tuple(rows),
         notes=tuple(_unchecked(joint, group, told) for group in groups if group.start not in told),
     )
+
+
+_NO_COUNTS = "the sensors are not checked: no fixed point holds their counts"
 
 
 def _told(joint: Joint, group: CheckedGroup, j: int, seen: bool, largest: float) -> SensorCheck:

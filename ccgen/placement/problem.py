@@ -229,16 +229,32 @@ def placed_noise(joint: "Joint", axis: str, spans: Spans, library: "ShapeLibrary
     Returns:
         Shape (n,), radians; None where it is not stated, or differs among the sensors.
     """
+    alone = moved(joint, axis, spans)
+    if alone is None:
+        return None
+    bent = bent_alike(library.angles, len(joint.geometry.sections))
+    return told_noise(alone, axis, second_moment(bent.state))
+
+
+def moved(joint: "Joint", axis: str, spans: Spans) -> "Joint | None":
+    """The joint with one axis alone, whose sensors have other spans.
+
+    Args:
+        joint: as `check_placeable` lets pass.
+        axis: "u" or "v".
+        spans: any number of them.
+
+    Returns:
+        None where the sensors differ in more than their spans.
+    """
     sensors = joint.sensors[joint.own(axis)]
     if len({(s.noise, s.radius, s.metres_per_count, s.gain_tolerance) for s in sensors}) > 1:
         return None
-    moved = tuple(
+    elsewhere = tuple(
         replace(sensors[0], name=f"{axis}{j}", start=float(a), end=float(b + 1))
         for j, (a, b) in enumerate(spans)
     )
-    alone = replace(joint, sensors=moved, axes=(axis,), parts=((0, len(moved)),))
-    bent = bent_alike(library.angles, len(joint.geometry.sections))
-    return told_noise(alone, axis, second_moment(bent.state))
+    return replace(joint, sensors=elsewhere, axes=(axis,), parts=((0, len(elsewhere)),))
 
 
 def as_spans(placement: Indices) -> Spans:

@@ -23,6 +23,10 @@ from ccgen.shapes.refinement import segment_angles
 FloatArray = NDArray[np.float64]
 
 
+_STRAIGHT = 1e-100
+"""Radians that are none: products of smaller ones leave a double's range."""
+
+
 @dataclass(frozen=True, eq=False)
 class ShapeLibrary:
     """Shapes of one bending axis, grouped by load case.
@@ -160,6 +164,7 @@ def _joint_library(joint: Joint, samples: int) -> ShapeLibrary:
 def _segment_angles(segments: int, case: str, first_segment: ArrayLike) -> FloatArray:
     """Segment angles (eq. 4), shape (n, segments), for first segments of shape (n,)."""
     first = np.asarray(first_segment, dtype=np.float64)
+    first = np.where(np.abs(first) < _STRAIGHT, 0.0, first)
     if case == "constant-curvature":
         return np.repeat(first[:, None], segments, axis=1)
     if case not in beam.LOAD_CASES:

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ccgen.estimation import Weights, fit_weights
+from ccgen.estimation.fit import Task, fit_task
+from ccgen.estimation.fitted import FittedWeights
+from ccgen.estimation.sources import simulated_sources
 from ccgen.figures.case_study import case_study_figure
 from ccgen.figures.style import Floats, planar_curve
 from ccgen.joint import Joint
@@ -50,7 +53,9 @@ def case_study_joint() -> Joint:
 
 def figure8() -> "Figure":
     """Draw the case study."""
-    return case_study_figure(case_study_joint())
+    joint = case_study_joint()
+    task = Task(joint, simulated_sources(joint))
+    return case_study_figure(FittedWeights(joint, "wam", fit_task(task), task))
 
 
 def figure8_csv() -> bytes:
