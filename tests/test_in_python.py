@@ -292,7 +292,7 @@ def test_placements_are_compared_for_both_axes_at_once(joint):
     assert placed.best.optimality == "proven"
     assert [one.method for one in placed.found][-2:] == ["evolutionary", "search"]
     assert placed.refused == ()
-    (alone,) = ccgen.place(joint, 3, "heuristic", "v", "noise")
+    (alone,) = ccgen.place(joint, 3, "heuristic", "v", "angles")
     assert (alone.table, alone.estimator) == ("sensors.v", "noise-aware")
     assert alone.best.spans == joint.v.spans
 
@@ -303,7 +303,7 @@ def test_placements_are_compared_for_both_axes_at_once(joint):
         ({"sensors": 9}, "sensors: 9 sensors on an axis; a joint file takes 1 to 8"),
         ({"method": "best"}, "method: 'best' is unknown; give one of single"),
         ({"axis": "w"}, "axis: 'w' is unknown; give one of u, v"),
-        ({"objective": "tip"}, "objective: 'tip' is unknown; give one of paper, noise"),
+        ({"objective": "reach"}, "objective: 'reach' is unknown; give one of paper, angles, tip"),
         ({"constraints": Constraints(stacked=0)}, "stacked: at most 0 sensors"),
         ({"search": Search(starts=0)}, "starts: 0 is too small; give at least 1"),
         ({"sensors": 1, "constraints": Constraints(longest=3)}, "no placement of 1 sensor"),

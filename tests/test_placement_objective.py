@@ -8,7 +8,6 @@ from ccgen.joint.layouts import heuristic
 from ccgen.placement import Problem
 from ccgen.placement.bound import lower_bound
 from ccgen.placement.certificate import Certificate
-from ccgen.placement.descent import moved_values
 from ccgen.placement.objective import distinct_shapes, orthonormalise
 from ccgen.placement.problem import as_spans
 from ccgen.sensing.readings import readings
@@ -79,7 +78,7 @@ def test_moved_values_are_the_values_of_the_moved_placements(slot, noise):
     others = np.delete(placement, slot, axis=0)
     moved = np.repeat(placement[None], len(posed.catalogue), axis=0)
     moved[:, slot] = posed.catalogue
-    values = moved_values(posed.model, others, posed.catalogue, slot)
+    values = posed.model.moved_values(others, posed.catalogue, slot)
     np.testing.assert_allclose(values, posed.model.values(moved), rtol=1e-6)
 
 

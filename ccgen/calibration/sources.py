@@ -142,7 +142,6 @@ class Sources:
                 lengths=one.lengths,
                 raw=one.raw,
                 step=self.step,
-                noise=float(np.nanmedian(one.noise)),
             )
             for one in self.followed
         )

@@ -29,7 +29,8 @@ class Objective(StrEnum):
     """What a placement is judged by, `ccgen.placement.OBJECTIVES`."""
 
     PAPER = "paper"
-    NOISE = "noise"
+    ANGLES = "angles"
+    TIP = "tip"
 
 
 def place(
@@ -49,8 +50,9 @@ def place(
         Objective | None,
         typer.Option(
             "--objective",
-            help="noise: expected error of the noise-aware estimator under the transducer's noise;"
-            " paper: error of WAM without noise.  [default: noise where the file states it]",
+            help="angles: expected error of a segment's angle by all that the file states: loads,"
+            " noise, tolerances; tip: expected error of the tip; paper: error of WAM on the load"
+            " cases, without noise.  [default: angles]",
         ),
     ] = None,
     shortest: Annotated[

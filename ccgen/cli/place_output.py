@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from ccgen.estimation.weights import Floats
     from ccgen.joint import Joint
-    from ccgen.placement import Placed, Placement, Problem
+    from ccgen.placement import Placed, Placement
     from ccgen.shapes import Shapes
 
 _TELLING = 0.9
@@ -33,7 +33,7 @@ def show_json(joint: "Joint", placed: "Sequence[Placed]") -> None:
         if all(other[key] == value for other in answers)
     }
     method = placed[0].estimator
-    objective = "noise" if method == "noise-aware" else "paper"
+    objective = placed[0].problem.objective
     print_json({**shared, "objective": objective, "estimator": method, "axes": axes})
 
 
@@ -43,10 +43,10 @@ def show(joint: "Joint", placed: "Sequence[Placed]") -> None:
 
     wide = wide_shapes(joint)
     for one in placed:
-        _show_table(joint, one, wide)
+        _show_tables(joint, one, wide)
     chosen = ", ".join(f"{_named(one)}{one.best.method}" for one in placed)
     note(f"the best ({chosen}) for the joint file; spans replace placement and count there:")
-    lines = [f"[{one.table}]\nspans = {[list(span) for span in one.best.spans]}" for one in placed]
+    lines = [_pasted(joint, one) for one in placed]
     method = placed[0].estimator
     if method != joint.method:
         note(
@@ -66,7 +66,17 @@ def figure(placed: "Sequence[Placed]", forbidden: Sequence[int]) -> "Figure":
         for one in placed
         for placement in one.found
     ]
-    return placement_figure(drawn, placed[0].problem.segments, forbidden)
+    problem = placed[0].problem
+    unit = "the length at the tip" if problem.objective == "tip" else "ROM"
+    return placement_figure(drawn, problem.segments, forbidden, unit)
+
+
+def _pasted(joint: "Joint", placed: "Placed") -> str:
+    """Lines for the joint file, with the best spans in segments, and in metres as a comment."""
+    spans, segment = placed.best.spans, joint.geometry.segment_length
+    metres = ", ".join(f"{a * segment:.4g} to {(b + 1) * segment:.4g}" for a, b in spans)
+    lines = f"spans = {[list(span) for span in spans]}\n# metres from the base: {metres}"
+    return f"[{placed.table}]\n{lines}"
 
 
 def _named(placed: "Placed") -> str:
@@ -77,28 +87,30 @@ def _named(placed: "Placed") -> str:
 def _answer(joint: "Joint", axis: str, placed: "Placed", wide: "Shapes") -> dict[str, Any]:
     # Axes that share a table are told alike, by the shapes of both.
     angles = np.concatenate([wide.state[:, joint.rows(one)] for one in placed.axes])
-    described = [_describe(joint, axis, placed.problem, one, angles) for one in placed.found]
+    described = [_describe(joint, axis, placed, one, angles) for one in placed.found]
     return {**described[placed.found.index(placed.best)], "methods": described}
 
 
 def _describe(
-    joint: "Joint", axis: str, problem: "Problem", placement: "Placement", angles: "Floats"
+    joint: "Joint", axis: str, placed: "Placed", placement: "Placement", angles: "Floats"
 ) -> dict[str, Any]:
-    from ccgen.estimation import score_percent_rom, score_with_noise_percent_rom
-    from ccgen.placement import placed_noise, visible_faults
+    from ccgen.cli.fit_output import error_json
+    from ccgen.placement import error_rows, scores, visible_faults
 
-    weights = problem.weights(placement.spans)
-    noise = placed_noise(joint, axis, placement.spans, problem.fit)
-    expected, seen = None, None
+    rows = error_rows(joint, placed.problem, placed.axes, placement.spans)
+    score, expected, noise = scores(joint, placed.problem, axis, placement.spans, rows)
+    seen = None
     if noise is not None:
         faults = visible_faults(angles, placement.spans, noise, joint.false_alarms)
         seen = [None if percent != percent else percent for percent in faults.tolist()]
-        expected = score_with_noise_percent_rom(weights, problem.score, noise)
+    segment = joint.geometry.segment_length
     return {
         "method": placement.method,
         "spans": [list(span) for span in placement.spans],
-        "score_percent_rom": score_percent_rom(weights, problem.score),
+        "spans_m": [[first * segment, (last + 1) * segment] for first, last in placement.spans],
+        "score_percent_rom": score,
         "score_with_noise_percent_rom": expected,
+        "errors": [error_json(row) for row in rows],
         "visible_faults_percent": seen,
         "evaluations": placement.evaluations,
         "optimality": placement.optimality,
@@ -106,10 +118,10 @@ def _describe(
     }
 
 
-def _show_table(joint: "Joint", placed: "Placed", wide: "Shapes") -> None:
+def _show_tables(joint: "Joint", placed: "Placed", wide: "Shapes") -> None:
     from rich.table import Table
 
-    judge = "noise-aware" if placed.problem.noise else "WAM"
+    judge = "noise-aware" if placed.estimator == "noise-aware" else "WAM"
     sensors = "1 sensor" if placed.problem.sensors == 1 else f"{placed.problem.sensors} sensors"
     table = Table(title=f"{_named(placed)}{sensors}, {judge}: error, % of ROM")
     table.add_column("method", no_wrap=True)
@@ -122,7 +134,8 @@ def _show_table(joint: "Joint", placed: "Placed", wide: "Shapes") -> None:
         "evaluations",
     ):
         table.add_column(heading, justify="right", no_wrap=True)
-    for row in _answer(joint, placed.axes[0], placed, wide)["methods"]:
+    rows = _answer(joint, placed.axes[0], placed, wide)["methods"]
+    for row in rows:
         expected = row["score_with_noise_percent_rom"]
         table.add_row(
             row["method"],
@@ -133,6 +146,30 @@ def _show_table(joint: "Joint", placed: "Placed", wide: "Shapes") -> None:
             _optimality(row["optimality"], row["gap"]),
             str(row["evaluations"]),
         )
+    show_table(table)
+    _show_errors(rows)
+
+
+def _show_errors(rows: Sequence[dict[str, Any]]) -> None:
+    """Print what `ccgen fit` would tell of each placement, with noise, by source."""
+    from rich.table import Table
+
+    table = Table(title="Errors with noise and tolerances")
+    table.add_column("method", no_wrap=True)
+    table.add_column("source")
+    headings = ("RMS\ndeg", "bend RMS\ndeg", "tip RMS\nmm", "tip worst\nmm")
+    for heading in headings:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for row in rows:
+        for error in (one for one in row["errors"] if one["noise"]):
+            table.add_row(
+                row["method"],
+                error["source"],
+                f"{max(error['rms_deg'].values()):.3g}",
+                f"{max(error['total_bend_rms_deg'].values()):.3g}",
+                f"{1e3 * error['tip_rms_m']:.3g}",
+                f"{1e3 * error['tip_max_m']:.3g}",
+            )
     show_table(table)
 
 

@@ -61,7 +61,11 @@ class Source:
     @property
     def thinned(self) -> "Source":
         """Evenly chosen rows, enough to compare weights by."""
-        every = slice(None, None, -(-len(self) // _ENOUGH))
+        return self.at_most(_ENOUGH)
+
+    def at_most(self, rows: int) -> "Source":
+        """Evenly chosen rows, no more than so many."""
+        every = slice(None, None, -(-len(self) // rows))
         u, v, h = (part[every] for part in (self.shapes.u, self.shapes.v, self.shapes.h))
         readings = None if self.readings is None else self.readings[every]
         return replace(self, shapes=Shapes(u, v, h, self.shapes.source[every]), readings=readings)

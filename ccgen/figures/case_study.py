@@ -13,7 +13,7 @@ from ccgen.figures.estimators import Estimator, own_estimator, spans_estimator
 from ccgen.figures.style import label_curve, new_figure, planar_curve, styled
 from ccgen.joint import CASES, Joint
 from ccgen.joint.layouts import end_to_end
-from ccgen.placement.problem import moved
+from ccgen.placement.moved import moved
 from ccgen.shapes import single_shape
 
 if TYPE_CHECKING:

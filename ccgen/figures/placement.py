@@ -16,7 +16,10 @@ _WIDTH = 7.0
 
 
 def placement_figure(
-    placements: Sequence[Placement], segments: int, forbidden: Sequence[int] = ()
+    placements: Sequence[Placement],
+    segments: int,
+    forbidden: Sequence[int] = (),
+    unit: str = "ROM",
 ) -> "Figure":
     """Draw each placement's spans over the segments, one line a sensor.
 
@@ -24,6 +27,7 @@ def placement_figure(
         placements: drawn below each other, titled with method and score.
         segments: number m of segments.
         forbidden: segments at which nothing can be attached; shaded.
+        unit: what the scores are shares of.
     """
     from matplotlib.figure import Figure
 
@@ -34,6 +38,8 @@ def placement_figure(
     column = figure.subplots(len(placements), 1, sharex=True, squeeze=False, height_ratios=ratios)
     for axes, placement in zip(column[:, 0], placements, strict=True):
         _draw(axes, placement, segments, forbidden)
+        title = f"{placement.method}: {placement.percent:.4g} % of {unit}"
+        axes.set_title(title, fontsize=9)
     column[-1, 0].set_xlabel("segment (0 at the base)", fontsize=9)
     return figure
 
@@ -52,4 +58,3 @@ def _draw(axes: "Axes", placement: Placement, segments: int, forbidden: Sequence
     axes.grid(axis="x", which="minor", alpha=0.3)
     axes.set_axisbelow(True)
     axes.tick_params(labelsize=8)
-    axes.set_title(f"{placement.method}: {placement.percent:.4g} % of ROM", fontsize=9)

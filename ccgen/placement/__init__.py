@@ -7,6 +7,8 @@ from ccgen.placement.methods import METHODS, place_by
 from ccgen.placement.placed import OBJECTIVES, Placed, place
 from ccgen.placement.problem import Placement, Problem, check_placeable, joint_problem, placed_noise
 from ccgen.placement.search import Search, search
+from ccgen.placement.stated import StatedProblem
+from ccgen.placement.told import error_rows, scores
 
 __all__ = [
     "METHODS",
@@ -17,12 +19,15 @@ __all__ = [
     "Placement",
     "Problem",
     "Search",
+    "StatedProblem",
     "check_placeable",
+    "error_rows",
     "evolve",
     "joint_problem",
     "place",
     "place_by",
     "placed_noise",
+    "scores",
     "search",
     "visible_faults",
     "wide_shapes",

@@ -5,7 +5,8 @@ import numpy as np
 from ccgen.joint.layouts import Spans
 from ccgen.placement.certificate import Certificate
 from ccgen.placement.objective import Floats, Indices
-from ccgen.placement.problem import Problem, as_spans
+from ccgen.placement.problem import Problem
+from ccgen.placement.question import Question, as_spans
 
 ROUNDING = 1e-6
 """Share of an objective by which the ways of computing it may differ by rounding."""
@@ -26,8 +27,8 @@ _EQUAL = 1e-12
 """Share of an objective by which weights that are fitted so may still differ."""
 
 
-def best_of(problem: Problem, candidates: Indices) -> tuple[Spans, float]:
-    """The best of some placements, shape (P, n, 2), and its `Problem.percent`.
+def best_of(problem: Question, candidates: Indices) -> tuple[Spans, float]:
+    """The best of some placements, shape (P, n, 2), and its `percent`.
 
     Of equals, and of those with a negligible objective, it is the one with the shortest spans, then
     the one whose spans come first; the order of the placements and of the sensors in each does
@@ -37,6 +38,9 @@ def best_of(problem: Problem, candidates: Indices) -> tuple[Spans, float]:
         {as_spans(one) for one in candidates}, key=lambda spans: (total_length(spans), spans)
     )
     ordered = np.array(distinct, dtype=np.intp)
+    if not isinstance(problem, Problem):
+        percents = problem.percents(ordered)
+        return _settled(problem, ordered, np.maximum(percents, NEGLIGIBLE))
     likely = int(np.argmin(problem.model.values(ordered)))
     rivals = within(problem, ordered, problem.percent(distinct[likely]))
     rivals = rivals if len(rivals) else ordered[likely : likely + 1]
@@ -48,7 +52,7 @@ def best_of(problem: Problem, candidates: Indices) -> tuple[Spans, float]:
     return _settled(problem, rivals, np.maximum(np.concatenate(parts), NEGLIGIBLE))
 
 
-def _settled(problem: Problem, rivals: Indices, percents: Floats) -> tuple[Spans, float]:
+def _settled(problem: Question, rivals: Indices, percents: Floats) -> tuple[Spans, float]:
     """The best of those whose objective is the lowest but for rounding, and its `percent`.
 
     Args:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ccgen.placement.compare import NEGLIGIBLE
 from ccgen.placement.constraints import coverage
-from ccgen.placement.objective import Floats, Indices, ObjectiveModel, orthogonalise, orthonormalise
-from ccgen.placement.problem import Problem
+from ccgen.placement.objective import Floats, Indices
+from ccgen.placement.question import Question
 
 BROKEN = 200.0
 """What a broken constraint adds in %: more than any placement that keeps to them all has."""
@@ -20,7 +20,6 @@ BROKEN = 200.0
 KEPT = 8
 """Spans of each move that are kept for the exact comparison in the end."""
 
-_CACHED = 1 << 15
 _IMPROVEMENT = 1e-9
 
 
@@ -28,7 +27,7 @@ _IMPROVEMENT = 1e-9
 class Descent:
     """Moves sensors of a problem downhill; counts what it evaluates and keeps the best it meets."""
 
-    problem: Problem
+    problem: Question
     evaluations: int = 0
     met: dict[bytes, tuple[float, Indices]] = field(default_factory=dict)
 
@@ -63,7 +62,7 @@ class Descent:
 
     def _values(self, spans: Indices, slot: int) -> Floats:
         others = np.delete(spans, slot, axis=0)
-        values = moved_values(self.problem.model, others, self.problem.catalogue, slot)
+        values = self.problem.model.moved_values(others, self.problem.catalogue, slot)
         values += BROKEN * _broken(self.problem, others)
         # What is left of a vanishing objective is rounding; there the shorter span is the better.
         lengths = np.diff(self.problem.catalogue)[:, 0] + 1 + (np.diff(others) + 1).sum()
@@ -78,40 +77,7 @@ class Descent:
         return values
 
 
-def moved_values(model: ObjectiveModel, others: Indices, catalogue: Indices, slot: int) -> Floats:
-    """Cost of adding each span to the other sensors, shape (S,), in %.
-
-    Args:
-        model: the joint.
-        others: shape (n - 1, 2).
-        catalogue: spans to try, shape (S, 2).
-        slot: place of the moving sensor among the n.
-    """
-    sensors = len(others) + 1
-    size, rank = model.fit_size(sensors), model.rank
-    basis = model.vectors(others, np.delete(np.arange(sensors), slot), sensors)[None]
-    orthonormalise(basis, size)
-    added = model.vectors(catalogue, np.array(slot), sensors)[None]
-    orthogonalise(added, basis, size)
-    known, new = basis[0], added[0]
-    fitted = known[:, :rank] @ model.shapes
-    errors = known[:, size:].T @ fitted - model.score_shapes
-    noise = known[:, rank:size].T @ fitted
-    gained = new[:, :rank] @ model.shapes
-    values = np.empty(len(catalogue))
-    chunk = max(1, _CACHED // (errors.size + noise.size))
-    changed = np.empty((chunk, *errors.shape))
-    for start in range(0, len(catalogue), chunk):
-        part = slice(start, min(start + chunk, len(catalogue)))
-        change = gained[part, None, :]
-        here = np.multiply(new[part, size:, None], change, out=changed[: part.stop - start])
-        here += errors
-        disturbed = noise + new[part, rank:size, None] * change if model.noise else None
-        values[part] = model.total(here, disturbed)
-    return values
-
-
-def _broken(problem: Problem, others: Indices) -> Indices:
+def _broken(problem: Question, others: Indices) -> Indices:
     """Broken constraints for each span of the catalogue beside the others, shape (S,)."""
     count = coverage(others[None], problem.segments)[0]
     bare = count == 0

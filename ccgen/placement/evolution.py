@@ -22,7 +22,8 @@ from ccgen.errors import InputError, require_least
 from ccgen.joint.layouts import Spans, heuristic
 from ccgen.placement.compare import best_of
 from ccgen.placement.objective import Floats, Indices
-from ccgen.placement.problem import Placement, Problem
+from ccgen.placement.problem import Placement
+from ccgen.placement.question import Question
 from ccgen.placement.settings import Report, silent
 
 WORST = 200.0
@@ -113,7 +114,7 @@ def _clone(individual: _Individual) -> _Individual:
 
 
 def evolve(
-    problem: Problem, settings: Evolution | None = None, report: Report = silent
+    problem: Question, settings: Evolution | None = None, report: Report = silent
 ) -> Placement:
     """Run the evolutionary algorithm.
 
@@ -144,7 +145,7 @@ def evolve(
     return Placement("evolutionary", spans, percent, evaluations)
 
 
-def _run(problem: Problem, settings: Evolution, report: Report) -> tuple[Indices, int]:
+def _run(problem: Question, settings: Evolution, report: Report) -> tuple[Indices, int]:
     """The best distinct individuals as placements, fixed sensors first, and evaluations."""
     toolbox = _toolbox(problem, settings)
     generations = settings.generations + 1
@@ -172,7 +173,7 @@ def _run(problem: Problem, settings: Evolution, report: Report) -> tuple[Indices
     return decode(problem, best), sum(log.select("nevals"))
 
 
-def _toolbox(problem: Problem, settings: Evolution) -> base.Toolbox:
+def _toolbox(problem: Question, settings: Evolution) -> base.Toolbox:
     genes = 2 * (problem.sensors - len(problem.constraints.fixed))
     top = problem.segments - 1
     toolbox = base.Toolbox()
@@ -188,7 +189,7 @@ def _toolbox(problem: Problem, settings: Evolution) -> base.Toolbox:
     return toolbox
 
 
-def decode(problem: Problem, individuals: Any) -> Indices:
+def decode(problem: Question, individuals: Any) -> Indices:
     """Placements of individuals, fixed sensors first, shape (P, n, 2)."""
     pairs = np.array(list(individuals), dtype=np.intp).reshape(len(individuals), -1, 2)
     fixed = np.array(problem.constraints.fixed, dtype=np.intp).reshape(-1, 2)
@@ -196,7 +197,7 @@ def decode(problem: Problem, individuals: Any) -> Indices:
     return np.concatenate([head, np.sort(pairs, axis=-1)], axis=1)
 
 
-def fitnesses(problem: Problem, spans: Indices) -> Floats:
+def fitnesses(problem: Question, spans: Indices) -> Floats:
     """Objective of each placement in %; the worst where a constraint is broken, shape (P,)."""
     valid = problem.violations(spans) == 0
     result = np.full(len(spans), WORST)
@@ -204,7 +205,7 @@ def fitnesses(problem: Problem, spans: Indices) -> Floats:
     return result
 
 
-def _heuristic(problem: Problem) -> Spans | None:
+def _heuristic(problem: Question) -> Spans | None:
     """The heuristic placement, where there is one that is allowed."""
     if problem.sensors > problem.segments:
         return None

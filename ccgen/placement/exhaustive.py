@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ccgen.placement.constraints import coverage
 from ccgen.placement.objective import Indices
-from ccgen.placement.problem import Problem
+from ccgen.placement.question import Question
 
 _CHUNK = 1 << 16
 
@@ -23,7 +23,7 @@ _EFFORT = 16
 """Partial placements looked at for each placement of the limit, before counting gives up."""
 
 
-def count_allowed(problem: Problem, limit: float = math.inf) -> int | None:
+def count_allowed(problem: Question, limit: float = math.inf) -> int | None:
     """Number of placements that keep to the constraints.
 
     Returns:
@@ -41,18 +41,18 @@ def count_allowed(problem: Problem, limit: float = math.inf) -> int | None:
     return count if walk.complete else None
 
 
-def covering(problem: Problem) -> Iterator[Indices]:
+def covering(problem: Question) -> Iterator[Indices]:
     """Chunks of all placements that keep to the constraints, fixed sensors first, (P, n, 2)."""
     return Walk(problem).chunks()
 
 
-def _may_stack(problem: Problem) -> bool:
+def _may_stack(problem: Question) -> bool:
     """Whether the limit on stacked sensors rules anything out."""
     stacked = problem.constraints.stacked
     return stacked is not None and stacked < problem.sensors
 
 
-def _count_covering(problem: Problem, limit: float) -> int | None:
+def _count_covering(problem: Question, limit: float) -> int | None:
     """Number of placements without a bare segment; None where it exceeds the limit."""
     bare = _next_bare(problem)
     first, last = problem.catalogue.T
@@ -86,7 +86,7 @@ class Walk:
         complete: whether every placement was met; known when the chunks have ended.
     """
 
-    problem: Problem
+    problem: Question
     effort: float = math.inf
     complete: bool = True
     _tried: int = 0
@@ -189,7 +189,7 @@ def _pieces(counts: Indices) -> Iterator[slice]:
         start = stop
 
 
-def _next_bare(problem: Problem) -> Indices:
+def _next_bare(problem: Question) -> Indices:
     """First bare segment at or after r once all before r are covered, for r = 0 to m."""
     segments = problem.segments
     covered = np.zeros(segments, dtype=bool)
@@ -201,7 +201,7 @@ def _next_bare(problem: Problem) -> Indices:
     return bare
 
 
-def _fewest(problem: Problem, bare: Indices) -> Indices:
+def _fewest(problem: Question, bare: Indices) -> Indices:
     """Fewest spans that cover the rest once all before r are covered, for r = 0 to m."""
     segments = problem.segments
     first, last = problem.catalogue.T

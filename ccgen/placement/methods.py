@@ -3,7 +3,8 @@
 from ccgen.errors import InputError
 from ccgen.joint.layouts import LAYOUTS, spans_for
 from ccgen.placement.evolution import Evolution, evolve
-from ccgen.placement.problem import Placement, Problem
+from ccgen.placement.problem import Placement
+from ccgen.placement.question import Question
 from ccgen.placement.search import Search, search
 from ccgen.placement.settings import Report, silent
 
@@ -11,7 +12,7 @@ METHODS = (*LAYOUTS, "evolutionary", "search")
 
 
 def place_by(
-    problem: Problem,
+    problem: Question,
     method: str,
     evolution: Evolution | None = None,
     search_settings: Search | None = None,
@@ -38,7 +39,7 @@ def place_by(
     return _layout(problem, method)
 
 
-def _layout(problem: Problem, method: str) -> Placement:
+def _layout(problem: Question, method: str) -> Placement:
     if method == "single" and problem.sensors != 1:
         raise InputError(f"the layout single has 1 sensor, not {problem.sensors}")
     try:

@@ -41,6 +41,9 @@ DEPENDENT = 3e-14
 _CACHED = 1 << 16
 """Numbers worked on at once: few enough to stay in the processor's cache."""
 
+_MOVED_AT_ONCE = 1 << 15
+"""The same where one sensor moves."""
+
 _SINGULAR = 1e-15
 """Directions of the shapes below this share of the largest are rounding."""
 
@@ -117,6 +120,37 @@ class ObjectiveModel:
         errors -= self.score_shapes
         noise = np.swapaxes(vectors[..., self.rank : size], 1, 2) @ fitted if self.noise else None
         return self.total(errors, noise)
+
+    def moved_values(self, others: Indices, catalogue: Indices, slot: int) -> Floats:
+        """Cost of adding each span to the other sensors, shape (S,), in %.
+
+        Args:
+            others: shape (n - 1, 2).
+            catalogue: spans to try, shape (S, 2).
+            slot: place of the moving sensor among the n.
+        """
+        sensors = len(others) + 1
+        size, rank = self.fit_size(sensors), self.rank
+        basis = self.vectors(others, np.delete(np.arange(sensors), slot), sensors)[None]
+        orthonormalise(basis, size)
+        added = self.vectors(catalogue, np.array(slot), sensors)[None]
+        orthogonalise(added, basis, size)
+        known, new = basis[0], added[0]
+        fitted = known[:, :rank] @ self.shapes
+        errors = known[:, size:].T @ fitted - self.score_shapes
+        noise = known[:, rank:size].T @ fitted
+        gained = new[:, :rank] @ self.shapes
+        values = np.empty(len(catalogue))
+        chunk = max(1, _MOVED_AT_ONCE // (errors.size + noise.size))
+        changed = np.empty((chunk, *errors.shape))
+        for start in range(0, len(catalogue), chunk):
+            part = slice(start, min(start + chunk, len(catalogue)))
+            change = gained[part, None, :]
+            here = np.multiply(new[part, size:, None], change, out=changed[: part.stop - start])
+            here += errors
+            disturbed = noise + new[part, rank:size, None] * change if self.noise else None
+            values[part] = self.total(here, disturbed)
+        return values
 
     def total(self, errors: Floats, noise: Floats | None) -> Floats:
         """Score from errors; overwrites them.

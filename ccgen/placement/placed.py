@@ -1,11 +1,15 @@
 """Placements for a whole joint: by each method, for the axes together or one by one."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ccgen.errors import ArgumentError, InputError
+from ccgen.estimation.recorded import recorded
+from ccgen.estimation.sources import Source, simulated_sources
 from ccgen.joint import AXES
 from ccgen.joint.places import has_own_table
 from ccgen.placement.compare import NEGLIGIBLE
@@ -13,14 +17,17 @@ from ccgen.placement.constraints import Constraints
 from ccgen.placement.evolution import Evolution
 from ccgen.placement.methods import METHODS, place_by
 from ccgen.placement.problem import Placement, Problem, check_placeable, joint_problem
+from ccgen.placement.question import Question
 from ccgen.placement.search import Search
+from ccgen.placement.stated import StatedProblem
 from ccgen.sensing.noise import stated_noise
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
 
-OBJECTIVES = ("paper", "noise")
-"""The error of WAM without noise; the expected one of the noise-aware estimator."""
+OBJECTIVES = ("paper", "angles", "tip")
+"""The paper's: the error of WAM on the load cases, without noise. The expected error of segments'
+angles, or of the tip, by all that the joint states."""
 
 Report = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and how much there is."""
@@ -44,7 +51,7 @@ class Placed:
 
     table: str
     axes: tuple[str, ...]
-    problem: Problem
+    problem: Problem | StatedProblem
     found: tuple[Placement, ...]
     refused: tuple[str, ...] = ()
 
@@ -56,7 +63,7 @@ class Placed:
     @property
     def estimator(self) -> str:
         """The estimation method whose errors the placements were judged by."""
-        return "noise-aware" if self.problem.noise else "wam"
+        return self.problem.estimator
 
 
 def place(
@@ -77,7 +84,7 @@ def place(
         sensors: number of sensors of an axis, instead of the joint's.
         method: one of `METHODS`; by default all that apply are compared.
         axis: "u" or "v" alone.
-        objective: one of `OBJECTIVES`; by default noise where the joint states it.
+        objective: one of `OBJECTIVES`; by default angles.
         constraints: what the builder allows.
         evolution, search: settings of the methods that search.
         report: called now and then.
@@ -92,20 +99,27 @@ def place(
     evolution.check()
     search.check()
     tables = _tables(joint, axis)
-    with_noise = (objective or _usual_objective(joint)) == "noise"
-    problems = [
-        _problem(joint, axes[0], sensors, constraints or Constraints(), with_noise)
-        for _, axes in tables
-    ]
-    answers: dict[tuple[int, float], tuple[tuple[Placement, ...], tuple[str, ...]]] = {}
+    constraints, objective = constraints or Constraints(), objective or "angles"
+    for _, axes in tables:
+        check_placeable(joint, axes[0])
+    judged, sources = _judges(joint, objective)
+    problems: list[Problem | StatedProblem] = []
+    for _, axes in tables:
+        count = sensors or len(joint.axis(axes[0]).spans)
+        problems.append(
+            _problem(joint, axes[0], count, constraints, objective)
+            if sources is None
+            else StatedProblem(judged, axes, sources, count, constraints, objective == "tip")
+        )
+    answers: dict[Hashable, tuple[tuple[Placement, ...], tuple[str, ...]]] = {}
     placed = []
     for (table, axes), problem in zip(tables, problems, strict=True):
-        asked, name = (problem.sensors, problem.noise), f"{axes[0]}: " if len(tables) > 1 else ""
+        asked, name = problem.key, f"{axes[0]}: " if len(tables) > 1 else ""
         if asked in answers:  # what two axes ask alike is answered, and refused, once
             placed.append(Placed(table, axes, problem, answers[asked][0]))
             continue
 
-        def ask(method: str, problem: Problem = problem, name: str = name) -> Placement:
+        def ask(method: str, problem: Question = problem, name: str = name) -> Placement:
             told = partial(report, name + method)
             return place_by(problem, method, evolution, search, told)
 
@@ -137,13 +151,6 @@ def _check(
             raise ArgumentError(f"{value!r} is unknown; give one of {', '.join(known)}", name)
 
 
-def _usual_objective(joint: "Joint") -> str:
-    """Noise that is stated counts, whatever the joint's estimator, which placing may change."""
-    noise = stated_noise(joint)
-    stated = noise is not None and bool(noise.all())
-    return "noise" if stated or joint.method == "noise-aware" else "paper"
-
-
 def _tables(joint: "Joint", axis: str | None) -> list[tuple[str, tuple[str, ...]]]:
     """The tables of the joint file that spans belong into, and the axes that each is for.
 
@@ -157,12 +164,41 @@ def _tables(joint: "Joint", axis: str | None) -> list[tuple[str, tuple[str, ...]
     return [(f"sensors.{one}", (one,)) for one in chosen]
 
 
+def _judges(joint: "Joint", objective: str) -> "tuple[Joint, list[Source] | None]":
+    """What placements are judged by, where that is more than the load cases and noise.
+
+    Recordings tell shapes wherever sensors are; noise they tell where the joint states none, alike
+    for all sensors, since the best places for them are not known yet.
+    """
+    more = (
+        joint.loads is not None
+        or bool(joint.recordings)
+        or any(sensor.gain_tolerance for sensor in joint.sensors)
+    )
+    if objective == "paper" or (objective == "angles" and not more):
+        return joint, None
+    if not joint.recordings:
+        return joint, simulated_sources(joint)
+    from ccgen.recordings.reading import read_recordings
+
+    found = recorded(joint, read_recordings(joint))
+    sources = [*simulated_sources(joint, bool(found.fitted)), *found.sources()]
+    noise = stated_noise(found.joint)
+    if stated_noise(joint) is None and noise is not None:
+        usual = float(np.sqrt(np.mean(np.square(noise))))
+        sensors = tuple(replace(sensor, noise=usual) for sensor in joint.sensors)
+        joint = replace(joint, sensors=sensors)
+    return joint, [source.spread if source.moment is not None else source for source in sources]
+
+
 def _problem(
-    joint: "Joint", axis: str, sensors: int | None, constraints: Constraints, with_noise: bool
+    joint: "Joint", axis: str, sensors: int, constraints: Constraints, objective: str
 ) -> Problem:
-    check_placeable(joint, axis)
-    count = len(joint.axis(axis).spans) if sensors is None else sensors
-    return joint_problem(joint, axis, count, constraints, with_noise)
+    """By the load cases, with noise where it is stated, whatever the joint's own estimator."""
+    noise = stated_noise(joint)
+    stated = noise is not None and bool(noise.all())
+    with_noise = objective != "paper" and (stated or joint.method == "noise-aware")
+    return joint_problem(joint, axis, sensors, constraints, with_noise)
 
 
 def _compare(

@@ -1,6 +1,7 @@
 """The question of a placement, and its answer."""
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Hashable
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,9 @@ from ccgen.estimation import (
 from ccgen.estimation.weights import Weights
 from ccgen.joint.layouts import Spans
 from ccgen.placement.constraints import Constraints
+from ccgen.placement.moved import alike, moved
 from ccgen.placement.objective import Floats, Indices, ObjectiveModel, objective_model
+from ccgen.placement.question import Question, as_spans
 from ccgen.sensing.noise import second_moment, told_noise
 from ccgen.sensing.readings import readings
 from ccgen.shapes import ShapeLibrary, bent_alike, fit_library, score_library
@@ -30,7 +33,7 @@ _AT_ONCE = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Problem(Question):
     """Where to put the sensors of one bending axis.
 
     Attributes:
@@ -60,36 +63,25 @@ class Problem:
         """Number m of segments."""
         return int(self.fit.angles.shape[1])
 
+    @property
+    def key(self) -> Hashable:
+        """Alike for questions about a joint that have the same answer."""
+        return self.sensors, self.noise
+
     @cached_property
     def model(self) -> ObjectiveModel:
         """The libraries, prepared for evaluating whole populations."""
         return objective_model(self.fit, self.score, self.noise)
 
-    @cached_property
-    def catalogue(self) -> Indices:
-        """Spans that a free sensor may have, shape (S, 2).
+    @property
+    def estimator(self) -> str:
+        """The estimation method whose errors placements are judged by."""
+        return "noise-aware" if self.noise else "wam"
 
-        Raises:
-            InputError: there is none, and a sensor is free.
-        """
-        spans = self.constraints.catalogue(self.segments)
-        if not len(spans) and len(self.constraints.fixed) < self.sensors:
-            raise InputError("no span keeps to the constraints; loosen them")
-        return spans
-
-    def allows(self, spans: Spans) -> bool:
-        """Whether a placement has the right number of sensors and keeps to every constraint."""
-        rest = list(spans)
-        for span in self.constraints.fixed:
-            if span not in rest:
-                return False
-            rest.remove(span)
-        ordered = np.array([*self.constraints.fixed, *rest], dtype=np.intp)
-        return len(ordered) == self.sensors and not self.violations(ordered[None])[0]
-
-    def violations(self, spans: Indices) -> Indices:
-        """Number of broken constraints of placements with the fixed sensors first, shape (P,)."""
-        return self.constraints.violations(spans, self.segments)
+    @property
+    def objective(self) -> str:
+        """One of `ccgen.placement.OBJECTIVES`."""
+        return "angles" if self.noise else "paper"
 
     def weights(self, spans: Spans) -> Weights:
         """Fit the objective's estimator to one placement."""
@@ -202,21 +194,6 @@ def check_placeable(joint: "Joint", axis: str) -> None:
         )
 
 
-def alike(joint: "Joint", axis: str, key: str) -> float:
-    """Value of a key that is the same for all sensors of an axis; 0 where none states it.
-
-    Raises:
-        InputError: they differ, so that it is not known which sensor goes where.
-    """
-    values = {getattr(sensor, key) for sensor in joint.sensors[joint.own(axis)]}
-    if len(values) > 1:
-        raise InputError(
-            f"{joint.source}: {key}: differs among the sensors of axis {axis}, whose spans are to "
-            "be chosen; write one value for all"
-        )
-    return float(values.pop() or 0.0)
-
-
 def placed_noise(joint: "Joint", axis: str, spans: Spans, library: "ShapeLibrary") -> Floats | None:
     """Noise of the readings under which errors are told, if an axis' sensors had other spans.
 
@@ -234,29 +211,3 @@ def placed_noise(joint: "Joint", axis: str, spans: Spans, library: "ShapeLibrary
         return None
     bent = bent_alike(library.angles, len(joint.geometry.sections))
     return told_noise(alone, axis, second_moment(bent.state))
-
-
-def moved(joint: "Joint", axis: str, spans: Spans) -> "Joint | None":
-    """The joint with one axis alone, whose sensors have other spans.
-
-    Args:
-        joint: as `check_placeable` lets pass.
-        axis: "u" or "v".
-        spans: any number of them.
-
-    Returns:
-        None where the sensors differ in more than their spans.
-    """
-    sensors = joint.sensors[joint.own(axis)]
-    if len({(s.noise, s.radius, s.metres_per_count, s.gain_tolerance) for s in sensors}) > 1:
-        return None
-    elsewhere = tuple(
-        replace(sensors[0], name=f"{axis}{j}", start=float(a), end=float(b + 1))
-        for j, (a, b) in enumerate(spans)
-    )
-    return replace(joint, sensors=elsewhere, axes=(axis,), parts=((0, len(elsewhere)),))
-
-
-def as_spans(placement: Indices) -> Spans:
-    """A placement, shape (n, 2), as spans in order."""
-    return tuple(sorted((int(a), int(b)) for a, b in placement))

@@ -13,7 +13,9 @@ from ccgen.placement.compare import NEGLIGIBLE, best_of, within
 from ccgen.placement.descent import BROKEN, Descent
 from ccgen.placement.exhaustive import Walk, count_allowed, covering
 from ccgen.placement.objective import Indices
-from ccgen.placement.problem import Placement, Problem, as_spans
+from ccgen.placement.polish import polished
+from ccgen.placement.problem import Placement, Problem
+from ccgen.placement.question import Question, as_spans
 from ccgen.placement.settings import Report, silent
 
 _FINALISTS = 32
@@ -21,6 +23,9 @@ _FINALISTS = 32
 
 _FIRST = 5_000_000
 """Partial placements to look at for one that is allowed, where no usual start led to one."""
+
+_POLISHED = 8
+"""Placements that are improved further where the descents only had a model of the objective."""
 
 _DISTURBED = 2
 """Sensors that are moved at random from the best placement, to leave a local minimum."""
@@ -53,7 +58,7 @@ class Search:
 
 
 def search(
-    problem: Problem,
+    problem: Question,
     settings: Search | None = None,
     known: Sequence[Spans] = (),
     report: Report = silent,
@@ -71,6 +76,8 @@ def search(
     """
     settings = settings or Search()
     settings.check()
+    if not isinstance(problem, Problem):
+        return descend(problem, settings, known, report)
     # A single placement is no search, whatever the limit.
     count = count_allowed(problem, max(1, settings.enumerated))
     if count is None:
@@ -115,7 +122,7 @@ def enumerate_all(problem: Problem, report: Report = silent, count: int = 0) -> 
 
 
 def descend(
-    problem: Problem, settings: Search, known: Sequence[Spans] = (), report: Report = silent
+    problem: Question, settings: Search, known: Sequence[Spans] = (), report: Report = silent
 ) -> Placement:
     """Descend from known and usual placements, from random ones, and from disturbed best ones.
 
@@ -128,7 +135,7 @@ def descend(
     random = np.random.default_rng(settings.seed)
     descent = Descent(problem)
     starts = [_onto_catalogue(problem, spans) for spans in _usual(problem, known)]
-    usual = len(starts)
+    usual, rested = len(starts), list(starts)
     best, lowest = None, np.inf
     for number in itertools.count():
         if number == usual and lowest >= BROKEN:
@@ -143,6 +150,7 @@ def descend(
         else:
             start = _disturb(problem, best, random)
         resting, value = descent.run(start)
+        rested.append(resting)
         if value < lowest:
             best, lowest = resting, value
         report(number + 1, total)
@@ -152,6 +160,8 @@ def descend(
             f"the search met no placement of {_counted(problem)} that covers the joint and keeps to"
             " the constraints; loosen them or use more sensors"
         )
+    if not isinstance(problem, Problem):
+        return _polished(problem, np.concatenate([finalists, rested]), descent.evaluations)
     spans, percent = best_of(problem, finalists)
     floor = lower_bound(problem.model, problem.sensors)
     if not 0 < floor <= percent or percent <= NEGLIGIBLE:
@@ -159,7 +169,24 @@ def descend(
     return Placement("search", spans, percent, descent.evaluations, "bound", 1 - floor / percent)
 
 
-def _first_allowed(problem: Problem) -> list[Indices]:
+def _polished(problem: Question, likely: Indices, evaluations: int) -> Placement:
+    """The best placement near to the best of likely ones, by an objective that has no bound.
+
+    Args:
+        problem: the question.
+        likely: shape (P, n, 2), fixed sensors first; at least one of them is allowed.
+        evaluations: how many placements were evaluated for them.
+    """
+    allowed = likely[problem.violations(likely) == 0]
+    distinct = np.array(list({as_spans(one): one for one in allowed}.values()))
+    ranked = distinct[np.argsort(problem.percents(distinct), kind="stable")]
+    found = [polished(problem, one) for one in ranked[:_POLISHED]]
+    spans, percent = best_of(problem, np.array([one for one, _ in found]))
+    evaluations += len(distinct) + sum(count for _, count in found)
+    return Placement("search", spans, percent, evaluations)
+
+
+def _first_allowed(problem: Question) -> list[Indices]:
     """The first placement that enumeration meets; none where that takes too long.
 
     Raises:
@@ -174,18 +201,18 @@ def _first_allowed(problem: Problem) -> list[Indices]:
     return []
 
 
-def _impossible(problem: Problem) -> InputError:
+def _impossible(problem: Question) -> InputError:
     return InputError(
         f"no placement of {_counted(problem)} covers the joint and keeps to the constraints;"
         " loosen them or use more sensors"
     )
 
 
-def _counted(problem: Problem) -> str:
+def _counted(problem: Question) -> str:
     return "1 sensor" if problem.sensors == 1 else f"{problem.sensors} sensors"
 
 
-def _usual(problem: Problem, known: Sequence[Spans]) -> list[Indices]:
+def _usual(problem: Question, known: Sequence[Spans]) -> list[Indices]:
     """Known placements and the usual layouts, whose first spans make way for the fixed ones."""
     starts = [_fixed_first(problem, spans) for spans in known]
     if problem.sensors > problem.segments:
@@ -197,7 +224,7 @@ def _usual(problem: Problem, known: Sequence[Spans]) -> list[Indices]:
     return starts
 
 
-def _onto_catalogue(problem: Problem, spans: Indices) -> Indices:
+def _onto_catalogue(problem: Question, spans: Indices) -> Indices:
     """A placement with the nearest allowed span in place of each of its free sensors' spans."""
     fixed = len(problem.constraints.fixed)
     moved = spans.copy()
@@ -207,20 +234,20 @@ def _onto_catalogue(problem: Problem, spans: Indices) -> Indices:
     return moved
 
 
-def _fixed_first(problem: Problem, spans: Spans) -> Indices:
+def _fixed_first(problem: Question, spans: Spans) -> Indices:
     free = list(spans)
     for span in problem.constraints.fixed:
         free.remove(span)
     return np.array([*problem.constraints.fixed, *free], dtype=np.intp)
 
 
-def _random(problem: Problem, random: np.random.Generator) -> Indices:
+def _random(problem: Question, random: np.random.Generator) -> Indices:
     fixed = np.array(problem.constraints.fixed, dtype=np.intp).reshape(-1, 2)
     chosen = random.integers(len(problem.catalogue), size=problem.sensors - len(fixed))
     return np.concatenate([fixed, problem.catalogue[chosen]])
 
 
-def _disturb(problem: Problem, spans: Indices, random: np.random.Generator) -> Indices:
+def _disturb(problem: Question, spans: Indices, random: np.random.Generator) -> Indices:
     """A placement with some free sensors moved anywhere."""
     fixed = len(problem.constraints.fixed)
     free = problem.sensors - fixed
