@@ -2,11 +2,13 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import pytest
 import typer
 
@@ -17,6 +19,7 @@ from ccgen.cli.main import app, main
 from ccgen.cli.output import print_json
 from ccgen.errors import ArgumentError, CheckError, InputError
 from ccgen.joint.file import parse_joint
+from ccgen.shapes.loads.library import loads_library, shortfall
 
 REQUIRED_ONLY = """\
 name = "elbow"
@@ -74,6 +77,31 @@ def test_the_lines_that_are_commented_out_work():
     joint = parse_joint(text, "elbow.toml")
     assert (joint.u.transducer.range, joint.v.radius) == ((-20000, 20000), 0.04)
     assert (joint.u.radius, joint.v.transducer.metres_per_count) == (0.05, 1e-6)
+
+
+def uncommented(text, table):
+    """A file with the lines of one table that were commented out."""
+    before, _, after = text.partition(f"\n# {table}\n")
+    lines, blank, rest = after.partition("\n\n")
+    return f"{before}\n{table}\n" + re.sub("^# ", "", lines, flags=re.MULTILINE) + blank + rest
+
+
+def test_the_loads_that_are_commented_out_bend_the_joint_as_far_as_it_goes():
+    joint = parse_joint(uncommented(joint_text("elbow"), "[loads]"), "elbow.toml")
+    assert joint.loads.samples == 300
+    drawn = loads_library(joint)
+    assert shortfall(drawn, 300) is None
+    bent = np.abs(drawn.shapes.u).max() / joint.geometry.range_of_motion
+    assert 0.8 < bent <= 1.0 + 1e-9
+
+
+def test_the_recording_that_is_commented_out_is_read(capsys):
+    text = uncommented(joint_text("elbow"), "[[recordings]]")
+    (recording,) = parse_joint(text, "elbow.toml").recordings
+    assert recording.stations == (("tip", 0.24),)
+    Path("elbow.toml").write_text(text)
+    assert ccgen("fit", "elbow.toml") == 2
+    assert "run1.csv" in capsys.readouterr().err
 
 
 def test_init_replaces_a_file_only_when_told_to(capsys):
