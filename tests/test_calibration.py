@@ -14,6 +14,7 @@ from ccgen.errors import ArgumentError, InputError
 from ccgen.joint.calibration import SensorCalibration
 from ccgen.joint.calibration_file import calibration_text, parse_calibration
 from ccgen.joint.file import parse_joint
+from ccgen.kinematics import chain
 from ccgen.sensing.readings import response
 
 M = 6
@@ -298,6 +299,60 @@ def test_recordings_to_score_with_are_left_alone(tmp_path):
     both = found_in(tmp_path, *RUN, 'file = "other.csv"\nuse = "score"')
     assert both.suspicious == ()
     assert [name for name, _ in both.calibration.recordings] == ["run.csv"]
+
+
+STATIONS = (
+    'file = "run.csv"\nstations = { m0 = 0.04, m1 = 0.08, m2 = 0.12 }\n'
+    "straight = [0.0, 1.0]\nposition_noise = 1e-4"
+)
+
+
+def by_markers(columns):
+    """Markers on the axis, with noise, in the place of the angles."""
+    shown = [[columns.pop(f"{axis}{i}") for i in range(M)] for axis in "uv"]
+    u, v = np.radians(shown).transpose(0, 2, 1)
+    ends = chain(u, v, 0.12 / M)[:, 1::2, :3, 3]
+    ends = ends + 1e-4 * np.random.default_rng(5).standard_normal(ends.shape)
+    columns |= {f"m{k}_{axis}": ends[:, k, i] for k in range(3) for i, axis in enumerate("xyz")}
+
+
+def test_markers_tell_gains_and_zeros(tmp_path):
+    record(tmp_path, rows=240, noise=3e-5, change=by_markers)
+    found = found_in(tmp_path, STATIONS)
+    gain, zero = values(found, "metres_per_count"), values(found, "zero")
+    off = [*(np.abs(gain - STEP / GAIN) / values(found, "metres_per_count_std"))]
+    off += [*(np.abs(zero - ZERO) / values(found, "zero_std"))]
+    assert np.mean(np.array(off) < 2) >= 0.9
+    assert (values(found, "metres_per_count_std") < 0.03 * STEP).all()
+    assert (values(found, "zero_std") * STEP < 5e-5).all()
+    assert (found.suspicious, {place.angle for place in found.places}) == ((), {None})
+
+
+def test_faults_are_told_with_markers_too(tmp_path):
+    def spoilt(columns):
+        by_markers(columns)
+        turn_round(columns)
+        swap("near_top", "near_side")(columns)
+
+    record(tmp_path, rows=240, noise=3e-5, change=spoilt)
+    found = found_in(tmp_path, STATIONS)
+    assert {one.name: one.kind for one in found.suspicious} == {
+        "near_top": "swapped",
+        "near_side": "swapped",
+        "far_side": "reversed",
+    }
+    sensor = found.calibration.sensors[3]
+    off = sensor.metres_per_count + STEP / GAIN[3]
+    assert abs(off) < 3 * sensor.metres_per_count_std
+
+
+def test_a_joint_that_rests_in_one_axis_is_refused_with_markers(tmp_path):
+    def planar(columns):
+        still_in_v(columns)
+        by_markers(columns)
+
+    record(tmp_path, rows=240, noise=3e-5, change=planar)
+    assert "do not determine the gain of sensors near_side, far_side" in refusal(tmp_path, STATIONS)
 
 
 def test_a_sensor_that_was_not_recorded_is_left_as_it_is_stated(tmp_path):

@@ -31,9 +31,12 @@ _STUCK_SHARE = 0.05
 _PARTS = 60
 """Stretches of time, of which the medians show a step of a zero."""
 _FEWEST_PARTS = 8
-_STEP = 6.0
+_STEP = 3.0
 """Deviations of those medians that a step must exceed."""
-_STEP_OF_NOISE = 3.0
+_STEP_OF_NOISE = 2.5
+"""Deviations of a reading that it must exceed besides."""
+_APART = 6.0
+"""Deviations by which zeros of recordings differ where a sensor slipped between them."""
 _ROBUST = 1.4826
 
 
@@ -92,7 +95,7 @@ def shifted(names: Sequence[str], zeros: Sequence[Zeros], noise: Floats) -> tupl
     for j, name in enumerate(names):
         low, high = int(np.argmin(value[:, j])), int(np.argmax(value[:, j]))
         apart = float(value[high, j] - value[low, j])
-        sure = _STEP * float(np.hypot(std[low, j], std[high, j]))
+        sure = _APART * float(np.hypot(std[low, j], std[high, j]))
         if apart > max(sure, _STEP_OF_NOISE * float(noise[j])):
             text = (
                 f"the zero of {name} differs by {1e3 * apart:.2g} mm between {zeros[low].source} "

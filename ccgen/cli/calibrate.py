@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ccgen.cli.output import note, print_json, results, show_table
+from ccgen.cli.output import note, print_json, progress, results, show_table
 
 if TYPE_CHECKING:
     from ccgen.calibration.calibrate import Calibrated
@@ -35,7 +35,8 @@ def calibrate(
     from ccgen.joint.file import read_joint
 
     joint = read_joint(joint_file, uncalibrated)
-    found = found_by(joint)
+    with progress().status("following the recordings"):
+        found = found_by(joint)
     name = joint.calibration or f"{joint.name}.calibration.toml"
     path = joint_file.parent / name
     found.write(path)
