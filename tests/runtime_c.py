@@ -59,6 +59,7 @@ def load(flags: tuple[str, ...] = ("-O1", *UNDEFINED)) -> ctypes.CDLL:
     files = (*RUNTIME, *GLUE, HERE / "probe.c", PORTS / "shared" / "shared.c")
     library = ctypes.CDLL(str(compile_c(files, ("-shared", "-fPIC", *flags))))
     library.probe_axis.restype = ctypes.POINTER(Axis16)
+    library.probe_sensors.restype = ctypes.POINTER(Sensors16)
     library.probe_sample_layout.restype = ctypes.POINTER(Layout)
     library.probe_size.restype = ctypes.c_size_t
     library.probe_take_faults.restype = ctypes.c_uint8
@@ -117,9 +118,8 @@ class Layout(ctypes.Structure):
         ("extended", ctypes.c_bool),
         ("fd", ctypes.c_bool),
         ("turn", ctypes.c_bool),
-        ("sensors_u", ctypes.c_uint8),
-        ("sensors_v", ctypes.c_uint8),
-        ("segments", ctypes.c_uint8),
+        ("sensors", ctypes.c_uint8),
+        ("rows", ctypes.c_uint8 * 3),
         ("count_bytes", ctypes.c_uint8),
         ("angle_bytes", ctypes.c_uint8),
         ("cycle_us", ctypes.c_uint32),
@@ -141,9 +141,6 @@ class Axis16(ctypes.Structure):
         ("fraction_bits", ctypes.c_uint8),
         ("saturates", ctypes.c_bool),
         ("narrow", ctypes.c_bool),
-        ("minimum", ctypes.POINTER(ctypes.c_int16)),
-        ("maximum", ctypes.POINTER(ctypes.c_int16)),
-        ("zero", ctypes.POINTER(ctypes.c_int16)),
         ("bias", ctypes.c_int32),
         ("biases", ctypes.POINTER(ctypes.c_int32)),
         ("rows", ctypes.POINTER(ctypes.c_uint32)),
@@ -153,6 +150,17 @@ class Axis16(ctypes.Structure):
 def junk(size: int) -> ctypes.Array[ctypes.c_char]:
     """Memory that has held anything, as a state that is to be initialised has."""
     return ctypes.create_string_buffer(b"\xa5" * size, size)
+
+
+class Sensors16(ctypes.Structure):
+    """`ccgen_sensors16_t`, without what is relative to a zero."""
+
+    _fields_ = (
+        ("sensors", ctypes.c_uint8),
+        ("minimum", ctypes.POINTER(ctypes.c_int16)),
+        ("maximum", ctypes.POINTER(ctypes.c_int16)),
+        ("zero", ctypes.POINTER(ctypes.c_int16)),
+    )
 
 
 def frame(id_: int, data: bytes, fd: bool = False, **fields: bool) -> Frame:

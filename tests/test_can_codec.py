@@ -7,6 +7,7 @@ import can
 import cantools
 import e2e.p01
 import e2e.p05
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,11 +17,14 @@ from ccgen.can.layout import FrameLayout
 from ccgen.errors import InputError
 from ccgen.export.dbc import dbc_text
 
-CLASSIC = FrameLayout("shoulder", 0x300, False, False, 3, 3, 12, 2, 2, 10, 17)
+CLASSIC = FrameLayout(
+    "shoulder", 0x300, False, False, ("u0", "u1", "u2", "v0", "v1", "v2"), (12, 12, 0), 2, 2, 10, 17
+)
+WIDE = tuple(f"{axis}{j}" for axis, number in (("u", 6), ("v", 8)) for j in range(number))
 LAYOUTS = {
     "classic": CLASSIC,
     "without turn": replace(CLASSIC, turn=False),
-    "32-bit": replace(CLASSIC, segments=48, sensors_u=6, sensors_v=8, count_bytes=4, angle_bytes=4),
+    "32-bit": replace(CLASSIC, rows=(48, 48, 0), sensors=WIDE, count_bytes=4, angle_bytes=4),
     "24-bit": replace(CLASSIC, count_bytes=3, angle_bytes=4),
     "fd": replace(CLASSIC, fd=True),
     "extended": replace(CLASSIC, base_id=0x18FF0000, extended=True),
@@ -29,10 +33,11 @@ LAYOUTS = {
 
 def text_of(layout):
     axis = SimpleNamespace(fraction_bits=18)
-    joint = SimpleNamespace(
-        sensors=[SimpleNamespace(metres_per_count=2e-6)], can=SimpleNamespace(bitrate=1_000_000)
-    )
-    return dbc_text(layout, joint, SimpleNamespace(u=axis, v=axis))
+    sensors = [SimpleNamespace(name=name, metres_per_count=2e-6) for name in layout.sensors]
+    joint = SimpleNamespace(sensors=sensors, can=SimpleNamespace(bitrate=1_000_000))
+    readings = SimpleNamespace(zero=np.zeros(len(sensors), dtype=np.int64))
+    model = SimpleNamespace(axes={"u": axis, "v": axis}, readings=readings)
+    return dbc_text(layout, joint, model)
 
 
 def codec_for(layout):
@@ -52,7 +57,7 @@ def codec():
 def test_counts_come_back_from_their_frames(name, data):
     layout, codec = LAYOUTS[name], CODECS[name]
     limit = 1 << (8 * layout.count_bytes - 1)
-    number = layout.sensors_u + layout.sensors_v
+    number = len(layout.sensors)
     counts = data.draw(st.lists(st.integers(-limit, limit - 1), min_size=number, max_size=number))
     sent = data.draw(st.integers(0, layout.numbers - 1))
     frames = codec.encode(counts, sent)

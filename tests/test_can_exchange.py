@@ -13,7 +13,9 @@ from ccgen.can.exchange import Pace, exchange, fresh_start
 from ccgen.can.layout import FrameLayout
 from ccgen.export.dbc import dbc_text
 
-LAYOUT = FrameLayout("shoulder", 0x300, False, False, 3, 3, 4, 2, 2, 10, 17)
+LAYOUT = FrameLayout(
+    "shoulder", 0x300, False, False, ("u0", "u1", "u2", "v0", "v1", "v2"), (4, 4, 0), 2, 2, 10, 17
+)
 PER_SNAPSHOT = LAYOUT.angles_frames + 1
 CYCLE = LAYOUT.cycle_ms / 1000
 FRAME = 1e-4
@@ -22,17 +24,17 @@ TIMEOUT = Pace().timeout
 
 def codec_for(layout):
     axis = SimpleNamespace(fraction_bits=18)
-    joint = SimpleNamespace(
-        sensors=[SimpleNamespace(metres_per_count=2e-6)], can=SimpleNamespace(bitrate=1_000_000)
-    )
-    text = dbc_text(layout, joint, SimpleNamespace(u=axis, v=axis))
-    return Codec(layout, cantools.database.load_string(text, "dbc"))
+    sensors = [SimpleNamespace(name=name, metres_per_count=2e-6) for name in layout.sensors]
+    joint = SimpleNamespace(sensors=sensors, can=SimpleNamespace(bitrate=1_000_000))
+    readings = SimpleNamespace(zero=np.zeros(len(sensors), dtype=np.int64))
+    model = SimpleNamespace(axes={"u": axis, "v": axis}, readings=readings)
+    return Codec(layout, cantools.database.load_string(dbc_text(layout, joint, model), "dbc"))
 
 
 def expected(counts):
     """The stand-in's answer: sums over the counts, different in every angle."""
     counts = np.asarray(counts)
-    weights = np.arange(1, 2 * LAYOUT.segments + 1)
+    weights = np.arange(1, LAYOUT.values + 1)
     return counts.sum(axis=-1)[..., None] // weights
 
 

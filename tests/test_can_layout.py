@@ -16,8 +16,11 @@ JOINT = parse_joint(joint_text(), "shoulder.toml")
 
 
 def ranges(lowest, highest):
-    axis = SimpleNamespace(minimum=[lowest] * 3, maximum=[highest] * 3)
-    return SimpleNamespace(u=axis, v=axis)
+    return SimpleNamespace(minimum=[lowest] * 6, maximum=[highest] * 6)
+
+
+def names(u, v):
+    return tuple(f"u{j}" for j in range(u)) + tuple(f"v{j}" for j in range(v))
 
 
 NARROW = ranges(-20000, 20000)
@@ -29,9 +32,8 @@ layouts = st.builds(
     base_id=st.integers(0, 0x700),
     extended=st.booleans(),
     fd=st.booleans(),
-    sensors_u=st.integers(1, 8),
-    sensors_v=st.integers(1, 8),
-    segments=st.integers(1, 64),
+    sensors=st.builds(names, st.integers(1, 8), st.integers(1, 8)),
+    rows=st.tuples(st.integers(1, 64), st.integers(0, 64), st.integers(0, 64)),
     count_bytes=st.sampled_from((2, 3, 4)),
     angle_bytes=st.sampled_from((2, 4)),
     cycle_ms=st.integers(1, 1000),
@@ -90,11 +92,22 @@ def test_a_command_lies_as_the_runtime_reads_it():
 
 
 def test_u_comes_before_v_in_one_list_across_frames():
-    names = [signal.name for frame in LAYOUT.frames_of("angles") for signal in frame.payload]
-    assert names == [f"angle_{axis}{i}" for axis in "uv" for i in range(12)]
-    uneven = replace(LAYOUT, sensors_u=2, sensors_v=3)
-    names = [[s.name for s in frame.payload] for frame in uneven.frames_of("lengths")]
-    assert names == [["length_u0", "length_u1", "length_v0"], ["length_v1", "length_v2"]]
+    found = [signal.name for frame in LAYOUT.frames_of("angles") for signal in frame.payload]
+    assert found == [f"angle_{axis}{i}" for axis in "uv" for i in range(12)]
+    uneven = replace(LAYOUT, sensors=names(2, 3))
+    found = [[s.name for s in frame.payload] for frame in uneven.frames_of("lengths")]
+    assert found == [["length_u0", "length_u1", "length_v0"], ["length_v1", "length_v2"]]
+
+
+def test_elongations_follow_the_angles_and_a_planar_joint_leaves_an_axis_out():
+    layout = replace(LAYOUT, rows=(0, 3, 2))
+    found = [signal.name for frame in layout.frames_of("angles") for signal in frame.payload]
+    assert found == ["angle_v0", "angle_v1", "angle_v2", "elongation_h0", "elongation_h1"]
+
+
+def test_missing_sensors_of_the_papers_sets_have_eight_bits_each_and_others_one_after_the_other():
+    assert LAYOUT.missing_bits == (0, 1, 2, 8, 9, 10)
+    assert replace(LAYOUT, own_sets=False).missing_bits == (0, 1, 2, 3, 4, 5)
 
 
 def test_status_lies_as_the_runtime_writes_it():
@@ -161,7 +174,7 @@ def test_frames_number_what_the_counts_say(layout):
     assert kinds.count("angles") == layout.angles_frames
     assert layout.frames[-1].id == layout.last_id
     payload = [s for frame in layout.frames_of("angles") for s in frame.payload]
-    assert len(payload) == 2 * layout.segments
+    assert len(payload) == layout.values
 
 
 def test_data_id_is_the_low_half_of_the_identifier():

@@ -4,6 +4,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import cantools
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,11 +12,14 @@ from hypothesis import strategies as st
 from ccgen.can.layout import FrameLayout
 from ccgen.export.dbc import dbc_text
 
-CLASSIC = FrameLayout("shoulder", 0x300, False, False, 3, 3, 12, 2, 2, 10, 17)
+CLASSIC = FrameLayout(
+    "shoulder", 0x300, False, False, ("u0", "u1", "u2", "v0", "v1", "v2"), (12, 12, 0), 2, 2, 10, 17
+)
+WIDE = tuple(f"{axis}{j}" for axis, number in (("u", 6), ("v", 8)) for j in range(number))
 LAYOUTS = {
     "classic": CLASSIC,
     "without turn": replace(CLASSIC, turn=False),
-    "wide": replace(CLASSIC, segments=48, sensors_u=6, sensors_v=8, count_bytes=4, angle_bytes=4),
+    "wide": replace(CLASSIC, rows=(48, 48, 0), sensors=WIDE, count_bytes=4, angle_bytes=4),
     "24-bit": replace(CLASSIC, count_bytes=3, angle_bytes=4),
     "fd": replace(CLASSIC, fd=True),
     "extended": replace(CLASSIC, base_id=0x18FF0000, extended=True),
@@ -26,12 +30,14 @@ LAYOUTS = {
 
 
 def text_of(layout):
-    sensors = (SimpleNamespace(metres_per_count=2e-6), SimpleNamespace(metres_per_count=3.1e-7))
+    steps = {"u": 2e-6, "v": 3.1e-7}
+    sensors = [
+        SimpleNamespace(name=name, metres_per_count=steps[name[0]]) for name in layout.sensors
+    ]
     joint = SimpleNamespace(sensors=sensors, can=SimpleNamespace(bitrate=1_000_000))
-    model = SimpleNamespace(
-        u=SimpleNamespace(fraction_bits=18), v=SimpleNamespace(fraction_bits=33)
-    )
-    return dbc_text(layout, joint, model)
+    axes = {"u": SimpleNamespace(fraction_bits=18), "v": SimpleNamespace(fraction_bits=33)}
+    readings = SimpleNamespace(zero=np.zeros(len(sensors), dtype=np.int64))
+    return dbc_text(layout, joint, SimpleNamespace(axes=axes, readings=readings))
 
 
 DATABASES = {

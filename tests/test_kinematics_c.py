@@ -35,6 +35,7 @@ HEADER = """\
 #define ARM_H
 #include <stdint.h>
 #define ARM_SEGMENTS {segments}
+#define ARM_VALUES (2 * ARM_SEGMENTS)
 #define ARM_RADIANS_PER_STEP_U {scale_u}
 #define ARM_RADIANS_PER_STEP_V {scale_v}
 typedef struct {{

@@ -29,7 +29,7 @@ BUILDS = [
     ("riscv32", "-O2"),
 ]
 BUFFERS = """
-int32_t zero[8], counts[400 * 8], angles[400 * 10];
+int32_t zero[16], counts[400 * 16], angles[400 * 10];
 """
 
 

@@ -60,7 +60,7 @@ def test_a_frame_begins_anew_whatever_it_held(name, rate_switch):
 @pytest.mark.parametrize(
     ("name", "ends"),
     [
-        ("sensors_u", (1, 8)), ("sensors_v", (1, 8)), ("segments", (1, 64)),
+        ("sensors", (1, 16)),
         ("count_bytes", (2, 4)), ("angle_bytes", (2, 2)), ("angle_bytes", (4, 4)),
         ("cycle_us", (500, 300_000_000)), ("window_us", (1, 1_000_000)),
         ("base_id", (0, 0x7FF - 14)),

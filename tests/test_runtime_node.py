@@ -444,7 +444,7 @@ def test_null_pointers_are_refused():
 def test_the_shared_port_tells_the_joints_shape():
     shape = (ctypes.c_int32 * 4)()
     assert load().ccgen_shared_shape(shape) == 0
-    assert list(shape) == [12, 3, 3, 16]
+    assert list(shape) == [12, 6, 24, 16]
 
 
 def test_batch_jacobians_are_laid_out_row_by_row():

@@ -1,12 +1,21 @@
 """The node's own functions, called with layouts and values that no exported joint hands them."""
 
 import ctypes
+from collections.abc import Iterable
 
 import pytest
 from runtime_c import NO_READING, Frame, Layout, junk, load
 from test_runtime_snapshot import CLASSIC, FD, frames_of, profile_of
 
 ARGUMENT = -1
+
+
+def lists_of(axes: Iterable[ctypes.Array]) -> ctypes.Array:
+    """Angles of u and v as transmit takes them, without elongation."""
+    held = list(axes)
+    lists = (ctypes.c_void_p * 3)(*map(ctypes.addressof, held), None)
+    lists.held = held  # as long as the list lives
+    return lists
 
 
 class Bare:
@@ -28,10 +37,11 @@ class Bare:
 
     def counts(self, precision: int) -> list[int]:
         kind = ctypes.c_int16 if precision == 16 else ctypes.c_int32
-        u, v = (kind * self.layout.sensors_u)(), (kind * self.layout.sensors_v)()
+        first, rest = (kind * 2)(), (kind * (self.layout.sensors - 2))()
         function = getattr(self.c, f"ccgen_node_counts{precision}")
-        assert function(ctypes.byref(self.layout), self.state, u, v) == 0
-        return [*u, *v]
+        assert function(self.state, 0, 2, first) == 0
+        assert function(self.state, 2, self.layout.sensors - 2, rest) == 0
+        return [*first, *rest]
 
     @property
     def overruns(self) -> int:
@@ -40,9 +50,9 @@ class Bare:
     def transmit32(self, u: list[int], v: list[int], now: int = 0) -> list[Frame]:
         """All that is due of a joint of precision 32."""
         layout, sent = ctypes.byref(self.layout), Frame()
-        angles = [(ctypes.c_int32 * len(axis))(*axis) for axis in (u, v)]
+        angles = lists_of((ctypes.c_int32 * len(axis))(*axis) for axis in (u, v))
         frames = []
-        while self.c.ccgen_node_transmit32(layout, self.state, *angles, now, ctypes.byref(sent)):
+        while self.c.ccgen_node_transmit32(layout, self.state, angles, now, ctypes.byref(sent)):
             frames.append(Frame.from_buffer_copy(sent))
             assert len(frames) < 1000
         return frames
@@ -60,6 +70,16 @@ def test_a_count_of_the_bus_that_16_bits_do_not_hold_is_no_reading(width):
     node.receive([32767, 32768, -32767, -32768, -32769, 2**23 - 1, -(2 ** (8 * width - 1))])
     assert node.counts(16) == [32767, -32768, -32767, -32768, -32768, -32768, -32768]
     assert node.counts(32) == [32767, 32768, -32767, -32768, -32769, 2**23 - 1, NO_READING]
+
+
+@pytest.mark.parametrize("precision", [16, 32])
+def test_counts_of_sensors_that_no_joint_has_are_refused(precision):
+    node, some = Bare(), (ctypes.c_int32 * 32)()
+    counts = getattr(node.c, f"ccgen_node_counts{precision}")
+    for first, sensors in ((0, 17), (16, 1), (17, 0), (255, 2), (2, 255)):
+        assert counts(node.state, first, sensors, some) == ARGUMENT
+    assert counts(node.state, 0, 16, some) == 0
+    assert counts(node.state, 16, 0, some) == 0
 
 
 @pytest.mark.parametrize(("missing", "taken"), [(-1, False), (0xFFFF, True), (0x10000, False)])
@@ -83,10 +103,10 @@ def test_an_estimate_needs_a_tip_and_a_failure_does_not():
 @pytest.mark.parametrize(("classic", "per_frame"), [(True, 1), (False, 15)])
 def test_angles_of_32_bits_go_out_u_then_v_under_their_snapshots_number(classic, per_frame):
     layout = Layout.from_buffer_copy(CLASSIC if classic else FD)
-    layout.angle_bytes, layout.segments = 4, 11
+    layout.angle_bytes, layout.rows = 4, (11, 11, 0)
     node, header = Bare(layout), 2 if classic else 3
     node.transmit32([0] * 11, [0] * 11)
-    node.receive([5] * (layout.sensors_u + layout.sensors_v))
+    node.receive([5] * layout.sensors)
     u, v = [10**8 * k - 7 for k in range(11)], [3 - 10**8 * k for k in range(11)]
     for result, missing in ((0, 0), (-2, 1)):
         node.publish(result, missing, (ctypes.c_int16 * 3)(1, -2, 3))
@@ -104,13 +124,14 @@ def test_angles_of_32_bits_go_out_u_then_v_under_their_snapshots_number(classic,
 
 def test_an_answer_of_which_only_the_status_was_not_fetched_is_an_overrun():
     node, tip = Bare(), (ctypes.c_int16 * 3)()
-    layout, sent, some = ctypes.byref(CLASSIC), ctypes.byref(Frame()), (ctypes.c_int16 * 12)()
+    layout, sent = ctypes.byref(CLASSIC), ctypes.byref(Frame())
+    some = lists_of([(ctypes.c_int16 * 12)()] * 2)
     overruns = []
     for fetched in (10, 9, 0):  # 8 of angles, tip, status
         node.publish(0, 0, tip)
         overruns.append(node.overruns)
         for _ in range(fetched):
-            assert node.c.ccgen_node_transmit16(layout, node.state, some, some, 0, sent) == 1
+            assert node.c.ccgen_node_transmit16(layout, node.state, some, 0, sent) == 1
     node.publish(0, 0, tip)
     assert [*overruns, node.overruns] == [0, 0, 1, 2]
 
@@ -126,12 +147,17 @@ def test_null_pointers_are_refused():
     for precision in (16, 32):
         counts = getattr(c, f"ccgen_node_counts{precision}")
         transmit = getattr(c, f"ccgen_node_transmit{precision}")
-        for absent in range(4):
-            arguments = [layout, state, some, some]
+        assert counts(None, 0, 7, some) == ARGUMENT
+        assert counts(state, 0, 7, None) == ARGUMENT
+        lists = lists_of([some, some])
+        for absent in (0, 1, 2, 4):
+            arguments = [layout, state, lists, 0, sent]
             arguments[absent] = None
-            assert counts(*arguments) == ARGUMENT
-            assert transmit(*arguments, 0, sent) == ARGUMENT
-        assert transmit(layout, state, some, some, 0, None) == ARGUMENT
+            assert transmit(*arguments) == ARGUMENT
+        for axis in (0, 1):
+            lists = lists_of([some, some])
+            lists[axis] = None
+            assert transmit(layout, state, lists, 0, sent) == ARGUMENT
     assert c.ccgen_node_publish(None, state, -2, 0, some) == ARGUMENT
     assert c.ccgen_node_publish(layout, None, -2, 0, some) == ARGUMENT
     assert c.ccgen_node_unsent(None) == ARGUMENT

@@ -17,11 +17,11 @@ NUMBERS = 240
 NAMES = ("snapshots", "corrupted", "malformed", "repeated", "reordered", "lost", "late")
 
 CLASSIC = Layout(
-    base_id=0x300, extended=False, fd=False, turn=True, sensors_u=3, sensors_v=4, segments=12,
+    base_id=0x300, extended=False, fd=False, turn=True, sensors=7, rows=(12, 12, 0),
     count_bytes=2, angle_bytes=2, cycle_us=CYCLE, window_us=WINDOW, publish=7,
 )  # fmt: skip
 FD = Layout(
-    base_id=0x18000, extended=True, fd=True, turn=False, sensors_u=8, sensors_v=8, segments=48,
+    base_id=0x18000, extended=True, fd=True, turn=False, sensors=16, rows=(48, 48, 0),
     count_bytes=4, angle_bytes=4, cycle_us=CYCLE, window_us=WINDOW, publish=7,
 )  # fmt: skip
 
@@ -49,8 +49,7 @@ class Snapshot:
 
     @property
     def counts(self) -> list[int]:
-        size = self.layout.sensors_u + self.layout.sensors_v
-        return list((ctypes.c_int32 * size).from_buffer(self.state))
+        return list((ctypes.c_int32 * self.layout.sensors).from_buffer(self.state))
 
     @property
     def counters(self) -> dict[str, int]:
@@ -386,7 +385,7 @@ def test_numbers_are_as_many_as_counter_and_turn_give(fd, turn, numbers):
     layout = Layout.from_buffer_copy(FD if fd else CLASSIC)
     layout.turn = bool(turn)
     assert load().ccgen_layout_numbers(ctypes.byref(layout)) == numbers
-    sent = frames_of(layout, 3, [0] * (layout.sensors_u + layout.sensors_v))[0]
+    sent = frames_of(layout, 3, [0] * layout.sensors)[0]
     protect, check = load().ccgen_layout_protect, load().ccgen_layout_check
     for number in range(256):
         result = protect(ctypes.byref(layout), ctypes.c_uint8(number), ctypes.byref(sent))
@@ -509,8 +508,9 @@ def test_counts_of_every_width_keep_their_sign_and_no_reading(width):
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("sensors_u", 0), ("sensors_v", 9), ("segments", 0), ("segments", 65), ("count_bytes", 1),
-        ("count_bytes", 5), ("angle_bytes", 3), ("cycle_us", 0), ("window_us", 0),
+        ("sensors", 0), ("sensors", 17), ("rows", (0, 0, 0)), ("rows", (65, 0, 0)),
+        ("rows", (12, 65, 0)), ("rows", (12, 12, 65)), ("count_bytes", 1), ("count_bytes", 5),
+        ("angle_bytes", 3), ("cycle_us", 0), ("window_us", 0),
         ("cycle_us", 300_000_001), ("window_us", 100 * CYCLE + 1), ("base_id", 0x7FF),
     ],
 )  # fmt: skip

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ccgen.can.codec import Codec
 from ccgen.can.exchange import Answer, Exchange, Pace, exchange, fresh_start
 from ccgen.can.fingerprint import fingerprint
-from ccgen.can.layout import FAULTS, tip_fraction_bits
+from ccgen.can.layout import FAULTS, longest, tip_fraction_bits
 from ccgen.errors import InputError
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.joint import AXES, Joint
@@ -47,7 +47,7 @@ class Stream:
     @property
     def tip_fraction_bits(self) -> int:
         """A tip coordinate of 1 m is 2^tip_fraction_bits on the bus."""
-        return tip_fraction_bits(self.joint.geometry.length)
+        return tip_fraction_bits(longest(self.joint.geometry))
 
     def true_angles(self, index: int) -> dict[str, Floats]:
         """Segment angles of a snapshot per axis, shape (m,), radians."""
@@ -87,7 +87,7 @@ def simulated_stream(
     """
     count, period = max(1, round(seconds * rate_hz)), max(1, round(_ROUND_SECONDS * rate_hz))
     shapes = joint_motion(joint, source, library, count, period)
-    counts = counts_at(joint, (model.u, model.v), shapes)
+    counts = counts_at(joint, [group.around() for group in model.groups], shapes)
     return Stream(joint, model, source, rate_hz, shapes, counts)
 
 

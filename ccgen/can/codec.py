@@ -115,14 +115,14 @@ class Codec:
         """LENGTHS frames of one snapshot.
 
         Args:
-            counts: shape (nu + nv,), Python integers, u sensors first.
+            counts: shape (n,), Python integers, in the order of the sensors.
             number: of the snapshot, 0..`numbers` - 1 of the layout.
 
         Raises:
             ValueError: wrong number of counts, one that its signal cannot hold, or a number that
                 there is not.
         """
-        if len(counts) != self.layout.sensors_u + self.layout.sensors_v:
+        if len(counts) != len(self.layout.sensors):
             raise ValueError(f"{len(counts)} counts for {len(self._lengths)} LENGTHS frames")
         messages, first = [], 0
         for entry in self._lengths:

@@ -64,7 +64,7 @@ class Answer:
 
     Attributes:
         index: of the snapshot.
-        angles: 2m raw angles, u segments first; none where they are not published.
+        angles: raw values of all axes, u segments first; none where they are not published.
         tip: 3 raw coordinates; none where it is not published.
         lost_frames: in this exchange so far.
         status: the latest; None before the first.
@@ -85,7 +85,8 @@ class Exchange:
     """What came of sending k snapshots.
 
     Attributes:
-        angles: shape (k, 2m), raw angles, u segments first; 0 where `complete` does not hold.
+        angles: shape (k, values), raw values of all axes, u segments first; 0 where `complete`
+            does not hold.
         tips: shape (k, 3), raw tip coordinates.
         complete: shape (k,), whether all ANGLES frames and TIP came.
         statuses: every STATUS frame in order.
@@ -157,7 +158,7 @@ def exchange(
     Args:
         bus: the host's end.
         codec: of the joint.
-        counts: shape (k, nu + nv).
+        counts: shape (k, n).
         pace: rate, bound on snapshots in flight, time-out.
         on_answer: called with each answer when it is complete.
 
@@ -192,7 +193,7 @@ class _Run:
         self.bus, self.codec, self.layout = bus, codec, layout
         self.pace, self.on_answer = pace, on_answer
         self.counts: list[list[int]] = counts.tolist()
-        self.angles = np.zeros((len(self.counts), 2 * layout.segments), dtype=np.int64)
+        self.angles = np.zeros((len(self.counts), layout.values), dtype=np.int64)
         self.tips = np.zeros((len(self.counts), 3), dtype=np.int64)
         self.complete = np.zeros(len(self.counts), dtype=np.bool_)
         self.answer_frames = layout.numbered_frames

@@ -1,9 +1,10 @@
 """Which signal lies where in which frame: the Python mirror of `ccgen/layout.h`.
 
 A joint owns consecutive identifiers from `base_id`: the LENGTHS frames that sensors send, the
-ANGLES frames that the node answers with, one TIP, one STATUS, one HEALTH and one COMMAND frame. All
-frames have one length (8 bytes, or 64 on CAN FD) and open with the header of an end-to-end profile:
-P01 on classic CAN (CRC-8, 4-bit counter), P05 on CAN FD (CRC-16, 8-bit counter). Signals follow the
+ANGLES frames that the node answers with (u, v, then h), one TIP, one STATUS, one HEALTH and one
+COMMAND frame. All frames have one length (8 bytes, or 64 on CAN FD) and open with the header of an
+end-to-end profile: P01 on classic CAN (CRC-8, 4-bit counter), P05 on CAN FD (CRC-16, 8-bit
+counter). Signals follow the
 header without gaps, little-endian; bytes left over are zero. The most negative value of a signed
 signal means: no reading. What a joint does not publish, or obey, keeps its identifier.
 
@@ -19,12 +20,12 @@ from functools import cached_property
 from typing import Literal, Protocol
 
 from ccgen.errors import InputError
-from ccgen.joint import Joint
+from ccgen.joint import Geometry, Joint
 from ccgen.joint.specification import OUTPUT_AXES, PUBLISHED
 
 Kind = Literal["lengths", "angles", "tip", "status", "health", "command"]
 Quantity = Literal[
-    "crc", "counter", "turn", "length_u", "length_v", "angle_u", "angle_v", "tip",
+    "crc", "counter", "turn", "length", "angle_u", "angle_v", "elongation", "tip",
     "sample_counter", "missing_sensors", "faults", "age", "fingerprint", "suspected_sensors",
     "axis_state", "zero_state", "command_number", "command_result", "command", "command_snapshots",
 ]  # fmt: skip
@@ -79,8 +80,11 @@ fit into the rest of them."""
 WINDOW_CYCLES_WITHOUT_TURN = 6
 """The same where the number is the counter of P01 alone."""
 
-MISSING_V_BIT = 8
-"""Bit of `missing_sensors` where the v sensors begin; the u sensors begin at bit 0."""
+_V_BIT = 8
+"""Bit of `missing_sensors` where the paper's v sensors begin; the u sensors begin at bit 0."""
+
+LENGTH = "length_"
+"""Beginning of the signals of LENGTHS frames; the sensor's name follows."""
 
 LARGEST_ID = {False: 0x7FF, True: 0x1FFFFFFF}
 _LARGEST_TIP = 2**15 - 1
@@ -130,9 +134,10 @@ class FrameLayout:
     base_id: int
     extended: bool
     fd: bool
-    sensors_u: int
-    sensors_v: int
-    segments: int
+    sensors: tuple[str, ...]
+    """Names in the order of the counts."""
+    rows: tuple[int, int, int]
+    """Values of u, v and h: segments or sections, 0 for an axis that is not estimated."""
     count_bytes: int
     angle_bytes: int
     cycle_ms: int
@@ -141,6 +146,21 @@ class FrameLayout:
     publish: tuple[str, ...] = PUBLISHED
     rate_switch: bool = False
     commands: bool = False
+    own_sets: bool = False
+    """Whether the sensors are the paper's two sets, which the missing sensors are told by."""
+
+    @property
+    def values(self) -> int:
+        """Values of all axes, one after the other in the ANGLES frames."""
+        return sum(self.rows)
+
+    @property
+    def missing_bits(self) -> tuple[int, ...]:
+        """Bit of each sensor in `missing_sensors`."""
+        if not self.own_sets:
+            return tuple(range(len(self.sensors)))
+        u = sum(name.startswith("u") for name in self.sensors)
+        return tuple(j if j < u else _V_BIT + j - u for j in range(len(self.sensors)))
 
     @property
     def frame_bytes(self) -> int:
@@ -215,12 +235,12 @@ class FrameLayout:
     @property
     def lengths_frames(self) -> int:
         """LENGTHS frames of a snapshot."""
-        return -(-(self.sensors_u + self.sensors_v) // self.counts_per_frame)
+        return -(-len(self.sensors) // self.counts_per_frame)
 
     @property
     def angles_frames(self) -> int:
         """ANGLES frames of a snapshot."""
-        return -(-2 * self.segments // self.angles_per_frame)
+        return -(-self.values // self.angles_per_frame)
 
     @property
     def numbered_frames(self) -> int:
@@ -320,13 +340,20 @@ _COMMAND: tuple[_Field, ...] = (
 
 
 def _lengths(layout: FrameLayout) -> list[tuple[str, Quantity]]:
-    u: list[tuple[str, Quantity]] = [(f"length_u{j}", "length_u") for j in range(layout.sensors_u)]
-    return [*u, *((f"length_v{j}", "length_v") for j in range(layout.sensors_v))]
+    return [(f"{LENGTH}{name}", "length") for name in layout.sensors]
 
 
 def _angles(layout: FrameLayout) -> list[tuple[str, Quantity]]:
-    u: list[tuple[str, Quantity]] = [(f"angle_u{i}", "angle_u") for i in range(layout.segments)]
-    return [*u, *((f"angle_v{i}", "angle_v") for i in range(layout.segments))]
+    axes: tuple[tuple[str, Quantity], ...] = (
+        ("angle_u", "angle_u"),
+        ("angle_v", "angle_v"),
+        ("elongation_h", "elongation"),
+    )
+    return [
+        (f"{name}{i}", quantity)
+        for (name, quantity), rows in zip(axes, layout.rows, strict=True)
+        for i in range(rows)
+    ]
 
 
 def _packed(start: int, fields: Iterable[_Field]) -> Iterator[Signal]:
@@ -335,8 +362,8 @@ def _packed(start: int, fields: Iterable[_Field]) -> Iterator[Signal]:
         start += bits
 
 
-class CountRange(Protocol):
-    """What the layout needs of an axis: the counts' range per sensor, both ends included."""
+class CountRanges(Protocol):
+    """The counts' ranges of all sensors, both ends included."""
 
     @property
     def minimum(self) -> Iterable[int]:
@@ -345,18 +372,6 @@ class CountRange(Protocol):
     @property
     def maximum(self) -> Iterable[int]:
         """Highest count per sensor."""
-
-
-class CountRanges(Protocol):
-    """The counts' ranges of both axes; `FixedPointModel` is one."""
-
-    @property
-    def u(self) -> CountRange:
-        """Sensors that measure bending about local x."""
-
-    @property
-    def v(self) -> CountRange:
-        """Sensors that measure bending about local y."""
 
 
 def layout_for(joint: Joint, ranges: CountRanges) -> FrameLayout:
@@ -370,17 +385,17 @@ def layout_for(joint: Joint, ranges: CountRanges) -> FrameLayout:
         base_id=joint.can.base_id,
         extended=joint.can.extended,
         fd=joint.can.fd,
-        sensors_u=len(joint.sensors[joint.own("u")]),
-        sensors_v=len(joint.sensors[joint.own("v")]),
-        segments=joint.geometry.segments,
+        sensors=tuple(sensor.name for sensor in joint.sensors),
+        rows=_rows(joint),
         count_bytes=_count_bytes(joint.precision, ranges),
         angle_bytes=joint.precision // 8,
         cycle_ms=joint.can.cycle_ms,
-        tip_fraction_bits=tip_fraction_bits(joint.geometry.length),
+        tip_fraction_bits=tip_fraction_bits(longest(joint.geometry)),
         turn=joint.can.turn,
         publish=joint.can.publish,
         rate_switch=joint.can.rate_switch,
         commands=joint.can.commands,
+        own_sets=has_own_sets(joint),
     )
     largest = LARGEST_ID[layout.extended]
     if layout.last_id > largest:
@@ -393,6 +408,24 @@ def layout_for(joint: Joint, ranges: CountRanges) -> FrameLayout:
     return layout
 
 
+def has_own_sets(joint: Joint) -> bool:
+    """Whether the sensors are the paper's sets, of which each axis reads its own."""
+    return (joint.u is not None or joint.v is not None) and not joint.couples
+
+
+def _rows(joint: Joint) -> tuple[int, int, int]:
+    u, v, h = (
+        joint.rows(axis).stop - joint.rows(axis).start if axis in joint.axes else 0
+        for axis in OUTPUT_AXES
+    )
+    return u, v, h
+
+
+def longest(geometry: Geometry) -> float:
+    """Length of the joint at its largest elongation, metres."""
+    return geometry.length * (1.0 + max(0.0, *(geometry.elongation or (0.0, 0.0))))
+
+
 def tip_fraction_bits(length: float) -> int:
     """Largest f for which a joint of this length (m) keeps |tip| * 2^f within int16, 0 to 30."""
     return max(f for f in range(31) if f == 0 or length * 2.0**f <= _LARGEST_TIP)
@@ -403,9 +436,5 @@ def _count_bytes(precision: int, ranges: CountRanges) -> int:
     if precision == 16:
         return 2
     largest = 2**23 - 1
-    fits = all(
-        -largest <= low and high <= largest
-        for axis in (ranges.u, ranges.v)
-        for low, high in zip(axis.minimum, axis.maximum, strict=True)
-    )
-    return 3 if fits else 4
+    ends = zip(ranges.minimum, ranges.maximum, strict=True)
+    return 3 if all(-largest <= low and high <= largest for low, high in ends) else 4

@@ -3,6 +3,7 @@
 import can
 import numpy as np
 
+from ccgen.export.fields import fields_of
 from ccgen.resources import template
 from ccgen.sensing.counts import corner_counts, random_counts
 from ccgen.targets.exported import Exported
@@ -14,8 +15,8 @@ DRAWN = 1
 
 
 def snapshots(exported: Exported) -> Integers:
-    """Counts to measure with: shapes, corners of the ranges, drawn; shape (k, nu + nv)."""
-    axes = (exported.model.u, exported.model.v)
+    """Counts to measure with: shapes, corners of the ranges, drawn; shape (k, n)."""
+    axes = [group.around() for group in exported.model.groups]
     shapes, corners = shape_counts(exported), corner_counts(axes)
     return np.concatenate(
         [
@@ -37,10 +38,10 @@ def source(exported: Exported) -> str:
     """C source: constant inputs, and variables for everything a caller owns."""
     counts = snapshots(exported)
     sent = frames(exported, counts)
-    split = exported.model.u.sensors
+    fields = fields_of(exported.joint, exported.layout)
     return template("cost_harness.c.j2").render(
         name=exported.joint.name,
-        counts=[{"u": row[:split], "v": row[split:]} for row in counts.tolist()],
+        counts=[[row[field.part] for field in fields] for row in counts.tolist()],
         frames=len(sent[0]),
         messages=[message for group in sent for message in group],
         cycle_us=exported.layout.cycle_us,

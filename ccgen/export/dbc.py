@@ -2,6 +2,7 @@
 
 from collections import OrderedDict
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cantools.database import Database
@@ -48,18 +49,20 @@ _PROFILE = DbcAttributeDefinition(
 
 
 class _Meaning(NamedTuple):
-    """What one step of a signal stands for, and its comment."""
+    """What one step of a signal stands for, its comment, and the value of a raw 0."""
 
     scale: float
     unit: str | None
     comment: str
+    offset: float = 0
 
 
 def dbc_text(layout: FrameLayout, joint: Joint, model: "FixedPointModel") -> str:
     """Describe every frame of the joint: Intel byte order, SI units.
 
-    Lengths are in metres of change against the straight pose, angles in radians, the tip in
-    metres in the base frame. Raw values are the integers that sensors and estimator work with.
+    Lengths are in metres of change against the model's zero, angles in radians, elongation in
+    shares of the length, the tip in metres in the base frame. Raw values are the integers that
+    sensors and estimator work with.
     """
     meanings = _meanings(layout, joint, model)
     database = Database(
@@ -94,13 +97,13 @@ def _node(layout: FrameLayout) -> str:
     return f"{layout.name.upper()}_JOINT"
 
 
-def _message(layout: FrameLayout, frame: FrameSpec, meanings: dict[Quantity, _Meaning]) -> Message:
+def _message(layout: FrameLayout, frame: FrameSpec, meanings: "_Meanings") -> Message:
     receivers = [_node(layout)] if frame.kind in ("lengths", "command") else [HOST]
     return Message(
         frame_id=frame.id,
         name=frame.name,
         length=layout.frame_bytes,
-        signals=[_signal(signal, meanings[signal.quantity], receivers) for signal in frame.signals],
+        signals=[_signal(signal, meanings.of(signal), receivers) for signal in frame.signals],
         comment=_FRAME_COMMENTS[frame.kind],
         senders=[_SENDERS.get(frame.kind, _node)(layout)],
         cycle_time=_cycle_time(layout, frame.kind),
@@ -139,7 +142,9 @@ def _signal(signal: frames.Signal, meaning: _Meaning, receivers: list[str]) -> S
         length=signal.bits,
         byte_order="little_endian",
         is_signed=signal.signed,
-        conversion=BaseConversion.factory(scale=meaning.scale, offset=0, choices=choices),
+        conversion=BaseConversion.factory(
+            scale=meaning.scale, offset=meaning.offset, choices=choices
+        ),
         unit=meaning.unit,
         comment=meaning.comment,
         receivers=receivers,
@@ -148,7 +153,7 @@ def _signal(signal: frames.Signal, meaning: _Meaning, receivers: list[str]) -> S
 
 _FRAME_COMMENTS: dict[Kind, str] = {
     "lengths": "Sensor counts; all LENGTHS frames of one snapshot carry the same number.",
-    "angles": "Bending of every segment; carries the number of its snapshot.",
+    "angles": "Values of the axes; carries the number of its snapshot.",
     "tip": "Tip position in the base frame; carries the number of its snapshot.",
     "status": "State of the estimator, every cycle; its counter advances by one a frame.",
     "health": f"State of sensors, axes and zero, every {frames.HEALTH_MS} ms and after each "
@@ -170,20 +175,28 @@ _CHOICES: dict[Quantity, dict[int, str]] = {
 """What values of a signal are called."""
 
 
-def _meanings(
-    layout: FrameLayout, joint: Joint, model: "FixedPointModel"
-) -> dict[Quantity, _Meaning]:
+@dataclass(frozen=True)
+class _Meanings:
+    """What signals stand for: lengths by the signal's name, all else by its quantity."""
+
+    lengths: dict[str, _Meaning]
+    others: dict[Quantity, _Meaning]
+
+    def of(self, signal: frames.Signal) -> _Meaning:
+        """Return that of a signal."""
+        return self.lengths.get(signal.name) or self.others[signal.quantity]
+
+
+def _meanings(layout: FrameLayout, joint: Joint, model: "FixedPointModel") -> _Meanings:
     faults = ", ".join(f"{bit} {name}" for bit, name in enumerate(frames.FAULTS))
     results = ", ".join(f"{k} {text}" for k, text in enumerate(frames.RESULT_MEANINGS.values()))
-    missing = f"bit j: u sensor j; bit {frames.MISSING_V_BIT} + j: v sensor j"
-    return {
+    bits = zip(layout.missing_bits, layout.sensors, strict=True)
+    missing = f"bits: {', '.join(f'{bit} {name}' for bit, name in bits)}"
+    zeros = model.readings.zero.tolist()
+    others: dict[Quantity, _Meaning] = {
         "crc": _Meaning(1, None, "CRC-16 CCITT-FALSE" if layout.fd else "CRC-8 SAE J1850"),
         "counter": _Meaning(1, None, f"0 to {layout.counter_modulus - 1}, then 0 again"),
         "turn": _Meaning(1, None, "Turns of the counter: number = turn * 15 + counter"),
-        "length_u": _length(joint.sensors[0].metres_per_count, layout),
-        "length_v": _length(joint.sensors[-1].metres_per_count, layout),
-        "angle_u": _angle("x", model.u.fraction_bits, layout),
-        "angle_v": _angle("y", model.v.fraction_bits, layout),
         "tip": _Meaning(2.0**-layout.tip_fraction_bits, "m", _with_no_reading("Tip position", 16)),
         "sample_counter": _Meaning(1, None, "Complete snapshots since the start, modulo 65536"),
         "missing_sensors": _Meaning(1, None, f"Sensors without a reading; {missing}"),
@@ -198,16 +211,27 @@ def _meanings(
         "command": _Meaning(1, None, "What is asked for"),
         "command_snapshots": _Meaning(1, None, "1 to 255: snapshots that a capture averages"),
     }
+    for name, axis in model.axes.items():
+        quantity, unit, said = _VALUES[name]
+        text = _with_no_reading(said, 8 * layout.angle_bytes)
+        others[quantity] = _Meaning(2.0**-axis.fraction_bits, unit, text)
+    lengths = {
+        f"{frames.LENGTH}{sensor.name}": _length(sensor.metres_per_count, zero, layout)
+        for sensor, zero in zip(joint.sensors, zeros, strict=True)
+    }
+    return _Meanings(lengths, others)
 
 
-def _length(metres_per_count: float, layout: FrameLayout) -> _Meaning:
+_VALUES: dict[str, tuple[Quantity, str | None, str]] = {
+    "u": ("angle_u", "rad", "Bending about local x"),
+    "v": ("angle_v", "rad", "Bending about local y"),
+    "h": ("elongation", None, "Elongation of a section, share of its length"),
+}
+
+
+def _length(metres_per_count: float, zero: int, layout: FrameLayout) -> _Meaning:
     text = _with_no_reading("Change of length, in counts of the sensor", 8 * layout.count_bytes)
-    return _Meaning(metres_per_count, "m", text)
-
-
-def _angle(local_axis: str, fraction_bits: int, layout: FrameLayout) -> _Meaning:
-    text = _with_no_reading(f"Bending about local {local_axis}", 8 * layout.angle_bytes)
-    return _Meaning(2.0**-fraction_bits, "rad", text)
+    return _Meaning(metres_per_count, "m", text, -zero * metres_per_count if zero else 0)
 
 
 def _with_no_reading(text: str, bits: int) -> str:

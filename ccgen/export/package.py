@@ -17,6 +17,8 @@ from ccgen.export.dbc import dbc_text
 from ccgen.export.errors_context import errors_context
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
+from ccgen.export.model_context import model_context
+from ccgen.export.selftest_context import selftest_context
 from ccgen.fixedpoint import Fit, FixedPointModel, fit, model_json
 from ccgen.fixedpoint.kept import Kept, inputs_of, kept_fit
 from ccgen.joint import AXES, Joint, Sensor
@@ -119,15 +121,15 @@ def render(fitted: Fit, kept: Kept | None = None) -> tuple[FrameLayout, dict[str
     """
     joint, model = _expressible(fitted.joint), fitted.model
     _check_expressible(fitted.sensed)
-    layout = layout_for(joint, model)
+    layout = layout_for(joint, model.readings)
     runtime = runtime_files()
     values: dict[str, Any] = {
         **context.common_context(joint, fitted.method),
-        **context.model_context(fitted),
+        **model_context(fitted, layout),
         **context.can_context(layout, joint, model),
         **errors_context(fitted),
         "drawing": arrangement_context(joint),
-        **context.selftest_context(joint, model, fitted.shapes),
+        **selftest_context(joint, model, layout, fitted.shapes),
         "kinematics": kinematics_context(
             joint.name,
             joint.geometry.segments,

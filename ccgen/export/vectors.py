@@ -1,7 +1,8 @@
 """Test vectors: drawn alike in Python and in the self-test on the target.
 
 Draw k of a block is a 32-bit mix of seed and k, so that Python draws a whole block at once. A
-quarter of the draws sit on an end of the transducer's range. A block is compared by a checksum
+quarter of the draws sit on an end of the range: of what is accepted as a zero, and of what is a
+reading with that zero. A block is compared by a checksum
 in which every single wrong value shows: h = 16777619 h + value (mod 2^32), all values in order.
 """
 
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.fixedpoint import FixedPointModel
-from ccgen.joint import AXES
+from ccgen.fixedpoint.model import SensorRanges
 
 Integers = NDArray[np.int64]
 
@@ -23,7 +24,7 @@ _MASK = np.uint64(0xFFFFFFFF)
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Counts and zeros of both axes, u then v; shapes (k, nu + nv)."""
+    """Counts and zeros in the joint's order of sensors; shapes (k, n)."""
 
     counts: Integers
     zeros: Integers
@@ -40,14 +41,18 @@ def draws(seed: int, number: int) -> NDArray[np.uint64]:
 
 def block(model: FixedPointModel, seed: int, snapshots: int) -> Block:
     """Draw zeros and counts over the full declared ranges, ends included."""
-    low = np.concatenate([model.axis(a).minimum for a in AXES])
-    high = np.concatenate([model.axis(a).maximum for a in AXES])
-    sensors = low.size
-    x = draws(seed, snapshots * 2 * sensors).reshape(snapshots, 2, sensors)
-    inside = low + (x % (high - low + 1).astype(np.uint64)).astype(np.int64)
+    readings = model.readings
+    x = draws(seed, snapshots * 2 * readings.sensors).reshape(snapshots, 2, readings.sensors)
+    zeros = _spread(x[:, 0], readings.zeros)
+    return Block(counts=_spread(x[:, 1], readings.around(zeros)), zeros=zeros)
+
+
+def _spread(x: NDArray[np.uint64], ranges: SensorRanges) -> Integers:
+    """Draws over ranges: a quarter on an end."""
+    places = (ranges.maximum - ranges.minimum + 1).astype(np.uint64)
+    inside = ranges.minimum + (x % places).astype(np.int64)
     kind = x >> np.uint64(29)
-    values = np.where(kind == 0, low, np.where(kind == 1, high, inside))
-    return Block(counts=values[:, 1], zeros=values[:, 0])
+    return np.where(kind == 0, ranges.minimum, np.where(kind == 1, ranges.maximum, inside))
 
 
 def checksum(values: Integers) -> int:

@@ -10,8 +10,8 @@ An output axis reads a contiguous part of the joint's one list of sensors: its o
 independent, all of them where sensors couple.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,6 +38,44 @@ class RelativeRange:
     def span(self) -> Integers:
         """Largest |count - zero|; shape (n,)."""
         return np.maximum(-self.minimum, self.maximum)
+
+
+@dataclass(frozen=True, eq=False)
+class SensorRanges:
+    """What n sensors may count; shape (n,) each.
+
+    Attributes:
+        minimum, maximum: lowest and highest counts of a reading.
+        zero: counts at the straight pose.
+        relative: as of `AxisModel`.
+    """
+
+    minimum: Integers
+    maximum: Integers
+    zero: Integers
+    relative: RelativeRange | None = None
+
+    @property
+    def sensors(self) -> int:
+        """Number n of sensors."""
+        return int(self.zero.size)
+
+    @property
+    def zeros(self) -> "SensorRanges":
+        """What is accepted as zeros."""
+        if self.relative is None:
+            return self
+        low, high = self.relative.zero_minimum, self.relative.zero_maximum
+        return SensorRanges(low, high, self.zero)
+
+    def around(self, zero: ArrayLike | None = None) -> "SensorRanges":
+        """Counts that are readings with a zero, of shape (..., n); the own one by default."""
+        offset = self.zero if zero is None else np.asarray(zero, dtype=np.int64)
+        if self.relative is None:
+            return SensorRanges(self.minimum, self.maximum, offset)
+        low = np.maximum(self.minimum, offset + self.relative.minimum)
+        high = np.minimum(self.maximum, offset + self.relative.maximum)
+        return SensorRanges(low, high, offset)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +116,7 @@ class AxisModel:
     worst_error_percent_rom: float
     rms_error_percent_rom: float
     first: int = 0
-    relative: "RelativeRange | None" = None
+    relative: RelativeRange | None = None
 
     @property
     def segments(self) -> int:
@@ -99,6 +137,11 @@ class AxisModel:
     def angle_limit(self) -> int:
         """Largest magnitude of an angle; the most negative value means "no reading"."""
         return int(2 ** (self.precision - 1) - 1)
+
+    @property
+    def ranges(self) -> SensorRanges:
+        """What its sensors may count."""
+        return SensorRanges(self.minimum, self.maximum, self.zero, self.relative)
 
     @property
     def span(self) -> Integers:
@@ -158,20 +201,6 @@ class AxisModel:
 
 
 @dataclass(frozen=True, eq=False)
-class SensorRanges:
-    """What all n sensors of a joint may count, in the joint's order; shape (n,) each."""
-
-    minimum: Integers
-    maximum: Integers
-    zero: Integers
-
-    @property
-    def sensors(self) -> int:
-        """Number n of sensors."""
-        return int(self.zero.size)
-
-
-@dataclass(frozen=True, eq=False)
 class FixedPointModel:
     """All output axes of a joint.
 
@@ -205,14 +234,33 @@ class FixedPointModel:
         return next(model.segments for axis, model in self.axes.items() if axis != "h")
 
     @property
+    def values(self) -> int:
+        """Number of values of all axes."""
+        return sum(model.segments for model in self.axes.values())
+
+    @property
+    def groups(self) -> tuple[SensorRanges, ...]:
+        """Ranges of sensors that meet in an axis, in the joint's order of sensors."""
+        parts = {model.first: model.ranges for model in self.axes.values()}
+        return tuple(parts[first] for first in sorted(parts))
+
+    @property
     def readings(self) -> SensorRanges:
-        """The ranges and zeros of all sensors; those that axes share are alike in each."""
-        size = max(model.first + model.sensors for model in self.axes.values())
-        ranges = SensorRanges(*(np.zeros(size, dtype=np.int64) for _ in range(3)))
-        for model in self.axes.values():
-            for name in ("minimum", "maximum", "zero"):
-                getattr(ranges, name)[model.part] = getattr(model, name)
-        return ranges
+        """The ranges and zeros of all sensors."""
+        groups = self.groups
+        relatives = [group.relative for group in groups if group.relative is not None]
+        relative = None
+        if relatives:
+            relative = RelativeRange(
+                *(_joined(relatives, field.name) for field in fields(RelativeRange))
+            )
+        low, high, zero = (_joined(groups, name) for name in ("minimum", "maximum", "zero"))
+        return SensorRanges(low, high, zero, relative)
+
+    def split(self, values: Integers) -> dict[str, Integers]:
+        """Values of each axis, shape (..., m), from those of all, shape (..., rows of all axes)."""
+        ends = np.cumsum([model.segments for model in self.axes.values()])[:-1]
+        return dict(zip(self.axes, np.split(values, ends, axis=-1), strict=True))
 
     def estimate(self, counts: ArrayLike, zero: ArrayLike | None = None) -> Integers:
         """Values of all axes, one axis after the other, from counts and zeros of all sensors.
@@ -236,3 +284,7 @@ class FixedPointModel:
             ],
             axis=-1,
         )
+
+
+def _joined(parts: Sequence[SensorRanges] | Sequence[RelativeRange], name: str) -> Integers:
+    return np.concatenate([getattr(part, name) for part in parts])

@@ -38,7 +38,7 @@ class Exported:
     @cached_property
     def layout(self) -> FrameLayout:
         """Where the signals lie on the bus."""
-        return layout_for(self.joint, self.model)
+        return layout_for(self.joint, self.model.readings)
 
     @cached_property
     def fingerprint(self) -> int:
@@ -70,13 +70,10 @@ def open_exported(directory: Path) -> Exported:
     read_manifest(directory)
     joint = read_joint(directory / "joint.toml", lambda _: _calibration(directory))
     model = load_model(directory / "model.json")
-    for axis in AXES:
-        expected = (joint.geometry.segments, len(joint.sensors[joint.own(axis)]))
-        if model.axis(axis).weights.shape != expected or model.precision != joint.precision:
-            raise InputError(
-                f"{directory}: model.json is not of the joint in joint.toml (axis {axis}); "
-                f"export the joint again"
-            )
+    if not _is_model_of(joint, model):
+        raise InputError(
+            f"{directory}: model.json is not of the joint in joint.toml; export the joint again"
+        )
     return Exported(directory, joint, model, changed=tuple(changed_files(directory)))
 
 
@@ -86,3 +83,14 @@ def _calibration(directory: Path) -> bytes | None:
         return (directory / CALIBRATION_FILE).read_bytes()
     except FileNotFoundError:
         return None
+
+
+def _is_model_of(joint: Joint, model: FixedPointModel) -> bool:
+    if model.precision != joint.precision or tuple(model.axes) != joint.axes:
+        return False
+    states = joint.geometry.segments, len(joint.geometry.sections)
+    return all(
+        axis.weights.shape == (states[name == "h"], len(joint.sensors[joint.own(name)]))
+        and axis.part == joint.own(name)
+        for name, axis in model.axes.items()
+    )

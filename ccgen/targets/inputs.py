@@ -19,9 +19,9 @@ def bus_counts(exported: Exported, snapshots: int, seed: int) -> Integers:
         seed: of the random counts.
 
     Returns:
-        Shape (snapshots, nu + nv).
+        Shape (snapshots, n).
     """
-    axes = (exported.model.u, exported.model.v)
+    axes = [group.around() for group in exported.model.groups]
     fixed = np.concatenate([shape_counts(exported), corner_counts(axes)])[:snapshots]
     return np.concatenate([fixed, random_counts(axes, snapshots - len(fixed), seed)])
 
@@ -29,6 +29,4 @@ def bus_counts(exported: Exported, snapshots: int, seed: int) -> Integers:
 def shape_counts(exported: Exported) -> Integers:
     """Counts of the shape library, the v axis bent by each shape's mirror image."""
     angles = fit_library(exported.joint).angles
-    return counts(
-        exported.joint, (exported.model.u, exported.model.v), unstretched(angles, -angles[::-1])
-    )
+    return counts(exported.joint, exported.model.groups, unstretched(angles, -angles[::-1]))

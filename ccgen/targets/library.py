@@ -31,21 +31,24 @@ class JointLibrary:
         except OSError as error:
             raise ToolError(f"{path}: cannot be loaded: {not_run(path, error)}") from error
         self._integer = np.dtype(f"int{model.precision}")
-        self._columns = 2 * model.segments
+        self._columns = model.values
+        self._poses = model.segments + 1
         shape = (ctypes.c_int32 * 4)()
         self._library.ccgen_shared_shape(shape)
-        if list(shape) != [model.segments, model.u.sensors, model.v.sensors, model.precision]:
+        expected = [model.segments, model.readings.sensors, model.values, model.precision]
+        if list(shape) != expected:
             raise ToolError(f"{path}: is the library of another joint")
 
     def estimate(self, counts: Integers, zero: Integers) -> tuple[Integers, Integers]:
         """Angles and results of snapshots that share a zero.
 
         Args:
-            counts: shape (k, nu + nv).
-            zero: shape (nu + nv,).
+            counts: shape (k, n).
+            zero: shape (n,).
 
         Returns:
-            Angles, shape (k, 2 m), and what the C returned for each snapshot, shape (k,).
+            Values of all axes, shape (k, values), and what the C returned for each snapshot,
+            shape (k,).
         """
         angles = np.zeros((len(counts), self._columns), dtype=self._integer)
         results = np.zeros(len(counts), dtype=np.int8)
@@ -57,14 +60,13 @@ class JointLibrary:
 
     def poses(self, angles: Integers) -> tuple[Singles, Singles]:
         """Positions (k, m + 1, 3) in metres and rotations (k, m + 1, 3, 3): segments, then tip."""
-        rows = self._columns // 2 + 1
-        positions = np.zeros((len(angles), rows, 3), dtype=np.float32)
-        rotations = np.zeros((len(angles), rows, 3, 3), dtype=np.float32)
+        positions = np.zeros((len(angles), self._poses, 3), dtype=np.float32)
+        rotations = np.zeros((len(angles), self._poses, 3, 3), dtype=np.float32)
         self._call("ccgen_batch_poses", self._dense(angles), len(angles), positions, rotations)
         return positions, rotations
 
     def jacobians(self, angles: Integers) -> Singles:
-        """Tip Jacobians (k, 6, 2 m)."""
+        """Tip Jacobians (k, 6, values)."""
         jacobians = np.zeros((len(angles), 6, self._columns), dtype=np.float32)
         self._call("ccgen_batch_jacobians", self._dense(angles), len(angles), jacobians)
         return jacobians

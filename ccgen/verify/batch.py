@@ -43,7 +43,7 @@ def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, repor
     for block, first in enumerate(range(0, total, BLOCK)):
         size = min(BLOCK, total - first)
         wrong += _wrong_angles(exported, library, plan.seed + block, size)
-        compared += size * 2 * exported.model.segments
+        compared += size * exported.model.values
         report(TITLE, first + size, total)
     seconds = time.monotonic() - started
     errors = _kinematic_errors(exported, library)
@@ -67,11 +67,15 @@ def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, repor
 
 def _wrong_angles(exported: Exported, library: JointLibrary, seed: int, size: int) -> int:
     """Mismatches in a block whose zero is a corner or drawn over the whole range."""
-    axes = (exported.model.u, exported.model.v)
-    corners = corner_counts(axes)
-    zeros = np.concatenate([corners, random_counts(axes, len(corners), seed)])
+    groups = exported.model.groups
+    accepted = [group.zeros for group in groups]
+    corners = corner_counts(accepted)
+    zeros = np.concatenate([corners, random_counts(accepted, len(corners), seed)])
     zero = zeros[seed % len(zeros)]
-    counts = np.concatenate([corners, random_counts(axes, size, seed + 1)])[:size]
+    parts = np.split(zero, np.cumsum([group.sensors for group in groups])[:-1])
+    around = [group.around(part) for group, part in zip(groups, parts, strict=True)]
+    drawn = random_counts(around, size, seed + 1)
+    counts = np.concatenate([corner_counts(around), drawn])[:size]
     angles, results = library.estimate(counts, zero)
     right = exported.model.estimate(counts, zero)
     angles[results != 0] = ~right[results != 0]

@@ -41,7 +41,7 @@ int main(void) {
         shoulder_angles_t angles;
         shoulder_pose_t tip;
         if (shoulder_estimate(&joint, &counts, &angles) != CCGEN_OK) {
-            printf("missing sensors: mask %d\n", (int)shoulder_missing(&counts));
+            printf("missing sensors: mask %d\n", (int)shoulder_missing(&joint, &counts));
             continue;
         }
         print_axis("u", angles.u, SHOULDER_RADIANS_PER_STEP_U);

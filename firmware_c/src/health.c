@@ -1,12 +1,26 @@
 #include "ccgen/health.h"
 
-#define ABSENT_H 0x30u /* h is not estimated */
-#define LOST_UV 0x0Au
+#define ABSENT 3u
+#define BITS 2u
+
+/** \return a state for every axis that is estimated, another for those that are not. */
+static uint8_t states(const ccgen_layout_t *const layout, const uint8_t there,
+                      const uint8_t elsewhere) {
+    uint32_t mask = 0;
+    for (uint8_t axis = 0; axis < CCGEN_AXES_MAX; ++axis) {
+        const uint8_t state = (layout->rows[axis] > 0u) ? there : elsewhere;
+        mask |= (uint32_t)state << (BITS * axis);
+    }
+    return (uint8_t)mask;
+}
+
+uint8_t ccgen_health_all_lost(const ccgen_layout_t *const layout) {
+    return states(layout, CCGEN_AXIS_LOST, 0);
+}
 
 void ccgen_health_init(const ccgen_layout_t *const layout, ccgen_health_t *const health) {
-    (void)layout;
     health->suspected = 0;
-    health->axes = LOST_UV;
+    health->axes = ccgen_health_all_lost(layout);
     health->zero = CCGEN_ZERO_MODEL;
     health->command = 0;
     health->result = CCGEN_RESULT_NONE;
@@ -29,7 +43,7 @@ void ccgen_health_frame(const ccgen_layout_t *const layout, ccgen_health_t *cons
     payload[1] = (uint8_t)(layout->fingerprint >> 8);
     payload[2] = (uint8_t)(health->suspected & 0xFFu);
     payload[3] = (uint8_t)(health->suspected >> 8);
-    payload[4] = (uint8_t)(health->axes | ABSENT_H | ((uint32_t)health->zero << 6));
+    payload[4] = (uint8_t)(health->axes | states(layout, 0, ABSENT) | ((uint32_t)health->zero << 6));
     payload[5] = (uint8_t)(health->command | ((uint32_t)health->result << 4));
     (void)ccgen_layout_protect(layout, health->counter, frame);
     health->sent_us = now_us;

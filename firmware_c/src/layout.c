@@ -10,9 +10,11 @@
 #define EXTENDED_ID_MAX 0x1FFFFFFFu
 
 static bool axes_valid(const ccgen_layout_t *const layout) {
-    return (layout->sensors_u >= 1u) && (layout->sensors_u <= CCGEN_AXIS_SENSORS_MAX) &&
-           (layout->sensors_v >= 1u) && (layout->sensors_v <= CCGEN_AXIS_SENSORS_MAX) &&
-           (layout->segments >= 1u) && (layout->segments <= CCGEN_SEGMENTS_MAX);
+    bool valid = (layout->sensors >= 1u) && (layout->sensors <= CCGEN_SENSORS_MAX);
+    for (uint8_t axis = 0; axis < CCGEN_AXES_MAX; ++axis) {
+        valid = valid && (layout->rows[axis] <= CCGEN_SEGMENTS_MAX);
+    }
+    return valid && (ccgen_layout_values(layout) >= 1u);
 }
 
 static bool signals_valid(const ccgen_layout_t *const layout) {
@@ -74,12 +76,19 @@ static uint8_t frames_for(const ccgen_layout_t *const layout, const uint16_t sig
 }
 
 uint8_t ccgen_layout_lengths_frames(const ccgen_layout_t *const layout) {
-    const uint16_t signals = (uint16_t)(layout->sensors_u + layout->sensors_v);
-    return frames_for(layout, signals, layout->count_bytes);
+    return frames_for(layout, layout->sensors, layout->count_bytes);
+}
+
+uint8_t ccgen_layout_values(const ccgen_layout_t *const layout) {
+    uint8_t values = 0;
+    for (uint8_t axis = 0; axis < CCGEN_AXES_MAX; ++axis) {
+        values = (uint8_t)(values + layout->rows[axis]);
+    }
+    return values;
 }
 
 uint8_t ccgen_layout_angles_frames(const ccgen_layout_t *const layout) {
-    return frames_for(layout, (uint16_t)(2u * layout->segments), layout->angle_bytes);
+    return frames_for(layout, ccgen_layout_values(layout), layout->angle_bytes);
 }
 
 uint16_t ccgen_layout_tip_index(const ccgen_layout_t *const layout) {

@@ -3,14 +3,11 @@
 #include "ccgen/integer.h"
 
 #define TIP_BYTES 2u
-#define LOST_UV ((CCGEN_AXIS_LOST << 2) | CCGEN_AXIS_LOST)
 
-/** The angles of the snapshot last published, of either precision; the other pair is NULL. */
+/** The angles of the snapshot last published, of either precision; the other list is NULL. */
 typedef struct {
-    const int16_t *u16;
-    const int16_t *v16;
-    const int32_t *u32;
-    const int32_t *v32;
+    const int16_t *const *narrow; /* [CCGEN_AXES_MAX] */
+    const int32_t *const *wide;   /* [CCGEN_AXES_MAX] */
 } angles_t;
 
 int ccgen_node_init(const ccgen_layout_t *const layout, ccgen_node_t *const node) {
@@ -49,30 +46,29 @@ static int16_t narrow_count(const int32_t count) {
     return ((count > INT16_MAX) || (count < INT16_MIN)) ? (int16_t)INT16_MIN : (int16_t)count;
 }
 
-int ccgen_node_counts16(const ccgen_layout_t *const layout, const ccgen_node_t *const node,
-                        int16_t *const u, int16_t *const v) {
-    if ((layout == NULL) || (node == NULL) || (u == NULL) || (v == NULL)) {
+/** \return whether a snapshot has these sensors. */
+static bool are_sensors(const uint8_t first, const uint8_t sensors) {
+    return (first <= CCGEN_SENSORS_MAX) && (sensors <= (CCGEN_SENSORS_MAX - first));
+}
+
+int ccgen_node_counts16(const ccgen_node_t *const node, const uint8_t first, const uint8_t sensors,
+                        int16_t *const counts) {
+    if ((node == NULL) || (counts == NULL) || !are_sensors(first, sensors)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    for (uint8_t j = 0; j < layout->sensors_u; ++j) {
-        u[j] = narrow_count(node->snapshot.counts[j]);
-    }
-    for (uint8_t j = 0; j < layout->sensors_v; ++j) {
-        v[j] = narrow_count(node->snapshot.counts[layout->sensors_u + j]);
+    for (uint8_t j = 0; j < sensors; ++j) {
+        counts[j] = narrow_count(node->snapshot.counts[first + j]);
     }
     return CCGEN_OK;
 }
 
-int ccgen_node_counts32(const ccgen_layout_t *const layout, const ccgen_node_t *const node,
-                        int32_t *const u, int32_t *const v) {
-    if ((layout == NULL) || (node == NULL) || (u == NULL) || (v == NULL)) {
+int ccgen_node_counts32(const ccgen_node_t *const node, const uint8_t first, const uint8_t sensors,
+                        int32_t *const counts) {
+    if ((node == NULL) || (counts == NULL) || !are_sensors(first, sensors)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    for (uint8_t j = 0; j < layout->sensors_u; ++j) {
-        u[j] = node->snapshot.counts[j];
-    }
-    for (uint8_t j = 0; j < layout->sensors_v; ++j) {
-        v[j] = node->snapshot.counts[layout->sensors_u + j];
+    for (uint8_t j = 0; j < sensors; ++j) {
+        counts[j] = node->snapshot.counts[first + j];
     }
     return CCGEN_OK;
 }
@@ -109,28 +105,30 @@ int ccgen_node_publish(const ccgen_layout_t *const layout, ccgen_node_t *const n
     node->estimates += estimated ? 1u : 0u;
     node->failures += estimated ? 0u : 1u;
     node->missing = (uint16_t)missing;
-    node->health.axes = estimated ? 0u : LOST_UV;
+    node->health.axes = estimated ? 0u : ccgen_health_all_lost(layout);
     node->estimated = estimated;
     node->published = node->snapshot.number;
     node->next = ccgen_layout_lengths_frames(layout);
     return estimated ? 1 : result;
 }
 
+/** \return the value of an index in the list of u, v and h. */
 static int32_t angle_at(const ccgen_layout_t *const layout, const angles_t *const angles,
                         const uint16_t index) {
-    const bool is_u = index < layout->segments;
-    const uint16_t segment = is_u ? index : (uint16_t)(index - layout->segments);
-    if (angles->u16 != NULL) {
-        return is_u ? angles->u16[segment] : angles->v16[segment];
+    uint16_t row = index;
+    uint8_t axis = 0;
+    while ((axis < (CCGEN_AXES_MAX - 1u)) && (row >= layout->rows[axis])) {
+        row = (uint16_t)(row - layout->rows[axis]);
+        ++axis;
     }
-    return is_u ? angles->u32[segment] : angles->v32[segment];
+    return (angles->narrow != NULL) ? angles->narrow[axis][row] : angles->wide[axis][row];
 }
 
 static void put_angles(const ccgen_layout_t *const layout, const ccgen_node_t *const node,
                        const angles_t *const angles, uint8_t *const payload) {
     const uint8_t bytes = layout->angle_bytes;
     const uint8_t per_frame = ccgen_layout_slots(layout, bytes);
-    const uint16_t total = (uint16_t)(2u * layout->segments);
+    const uint8_t total = ccgen_layout_values(layout);
     const uint16_t slot = (uint16_t)(node->next - ccgen_layout_lengths_frames(layout));
     uint16_t index = (uint16_t)(slot * per_frame);
     for (uint8_t i = 0; (i < per_frame) && (index < total); ++i) {
@@ -241,23 +239,33 @@ static int transmit(const ccgen_layout_t *const layout, ccgen_node_t *const node
 }
 
 int ccgen_node_transmit16(const ccgen_layout_t *const layout, ccgen_node_t *const node,
-                          const int16_t *const u, const int16_t *const v, const uint32_t now_us,
+                          const int16_t *const angles[CCGEN_AXES_MAX], const uint32_t now_us,
                           ccgen_frame_t *const frame) {
-    const angles_t angles = {u, v, NULL, NULL};
-    if ((layout == NULL) || (node == NULL) || (u == NULL) || (v == NULL) || (frame == NULL)) {
+    const angles_t of_either = {angles, NULL};
+    if ((layout == NULL) || (node == NULL) || (angles == NULL) || (frame == NULL)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    return transmit(layout, node, &angles, now_us, frame);
+    for (uint8_t axis = 0; axis < CCGEN_AXES_MAX; ++axis) {
+        if ((layout->rows[axis] > 0u) && (angles[axis] == NULL)) {
+            return CCGEN_ERROR_ARGUMENT;
+        }
+    }
+    return transmit(layout, node, &of_either, now_us, frame);
 }
 
 int ccgen_node_transmit32(const ccgen_layout_t *const layout, ccgen_node_t *const node,
-                          const int32_t *const u, const int32_t *const v, const uint32_t now_us,
+                          const int32_t *const angles[CCGEN_AXES_MAX], const uint32_t now_us,
                           ccgen_frame_t *const frame) {
-    const angles_t angles = {NULL, NULL, u, v};
-    if ((layout == NULL) || (node == NULL) || (u == NULL) || (v == NULL) || (frame == NULL)) {
+    const angles_t of_either = {NULL, angles};
+    if ((layout == NULL) || (node == NULL) || (angles == NULL) || (frame == NULL)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    return transmit(layout, node, &angles, now_us, frame);
+    for (uint8_t axis = 0; axis < CCGEN_AXES_MAX; ++axis) {
+        if ((layout->rows[axis] > 0u) && (angles[axis] == NULL)) {
+            return CCGEN_ERROR_ARGUMENT;
+        }
+    }
+    return transmit(layout, node, &of_either, now_us, frame);
 }
 
 int ccgen_node_unsent(ccgen_node_t *const node) {

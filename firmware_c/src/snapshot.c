@@ -19,7 +19,7 @@ int ccgen_snapshot_init(const ccgen_layout_t *const layout, ccgen_snapshot_t *co
         return CCGEN_ERROR_ARGUMENT;
     }
     /* Field by field: a state that is assigned whole is first built on the stack. */
-    for (uint8_t i = 0; i < CCGEN_COUNTS_MAX; ++i) {
+    for (uint8_t i = 0; i < CCGEN_SENSORS_MAX; ++i) {
         snapshot->counts[i] = 0;
         snapshot->pending[i] = 0;
     }
@@ -136,11 +136,10 @@ static int32_t count_in(const ccgen_layout_t *const layout, const uint8_t *const
 static bool place(const ccgen_layout_t *const layout, ccgen_snapshot_t *const snapshot,
                   const ccgen_frame_t *const frame, const uint16_t slot, const bool store) {
     const uint8_t per_frame = ccgen_layout_slots(layout, layout->count_bytes);
-    const uint16_t total = (uint16_t)(layout->sensors_u + layout->sensors_v);
     const uint8_t *signal = frame->data + ccgen_e2e_header(ccgen_layout_profile(layout));
     uint16_t index = (uint16_t)(slot * per_frame);
     bool same = true;
-    for (uint8_t i = 0; (i < per_frame) && (index < total); ++i) {
+    for (uint8_t i = 0; (i < per_frame) && (index < layout->sensors); ++i) {
         const int32_t count = count_in(layout, signal);
         same = same && (count == snapshot->pending[index]);
         if (store) {
@@ -212,7 +211,7 @@ static bool follow(const ccgen_layout_t *const layout, ccgen_snapshot_t *const s
 }
 
 static void complete(ccgen_snapshot_t *const snapshot) {
-    for (uint8_t i = 0; i < CCGEN_COUNTS_MAX; ++i) {
+    for (uint8_t i = 0; i < CCGEN_SENSORS_MAX; ++i) {
         snapshot->counts[i] = snapshot->pending[i];
     }
     snapshot->number = snapshot->newest;

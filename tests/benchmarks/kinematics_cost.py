@@ -41,6 +41,7 @@ HEADER = """\
 #define ARM_H
 #include <stdint.h>
 #define ARM_SEGMENTS {segments}
+#define ARM_VALUES (2 * ARM_SEGMENTS)
 #define ARM_RADIANS_PER_STEP_U {scale}
 #define ARM_RADIANS_PER_STEP_V {scale}
 typedef struct {{

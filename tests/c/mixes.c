@@ -123,9 +123,10 @@ static bool is_by_chance(void) {
 }
 
 static void check_angles(const int32_t *const counts) {
-    for (uint16_t i = 0; i < PORT_SEGMENTS; ++i) {
-        CHECK(run.node.angles.u[i] == angle_of(counts, run.zero, 0, i));
-        CHECK(run.node.angles.v[i] == angle_of(counts, run.zero, 1, i));
+    port_angle_t angles[PORT_VALUES];
+    port_pack_angles(&run.node.angles, angles);
+    for (uint16_t i = 0; i < PORT_VALUES; ++i) {
+        CHECK(angles[i] == angle_of(counts, run.zero, i));
     }
 }
 
@@ -150,7 +151,7 @@ static void publish(const int answer) {
     }
     if (run.with_node) {
         CHECK(memcmp(run.node.node.snapshot.counts, counts, sizeof counts) == 0);
-        CHECK(answer == ((missing_in(counts) == 0) ? 1 : CCGEN_ERROR_MISSING));
+        CHECK(answer == ((missing_in(counts, run.zero) == 0) ? 1 : CCGEN_ERROR_MISSING));
     }
     if (run.with_node && (answer == 1)) {
         check_angles(counts);
@@ -327,12 +328,7 @@ static void start(const char *const argv[]) {
     run.completed_us = START_US;
     CHECK(port_node_init(&run.node) == CCGEN_OK);
     CHECK(port_node_set_window(&run.node, (uint32_t)window_us) == CCGEN_OK);
-    for (uint8_t j = 0; j < PORT_SENSORS_U; ++j) {
-        run.zero[j] = run.node.joint.zero.u[j];
-    }
-    for (uint8_t j = 0; j < PORT_SENSORS_V; ++j) {
-        run.zero[PORT_SENSORS_U + j] = run.node.joint.zero.v[j];
-    }
+    read_zero(&run.node.joint, run.zero);
     rule_start(&run.rule, numbers_of_joint(), ccgen_layout_lengths_frames(layout), layout->cycle_us,
                window_us);
     traffic_start(&run.traffic, &mix, window_us, START_US + TRAFFIC_LAG_US);

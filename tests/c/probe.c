@@ -12,6 +12,7 @@
 #include "sample_can.h"
 
 const ccgen_axis16_t *probe_axis(int v);
+const ccgen_sensors16_t *probe_sensors(int v);
 size_t probe_size(int which);
 void probe_snapshot(const ccgen_snapshot_t *snapshot, uint32_t counters[9]);
 uint8_t probe_take_faults(ccgen_snapshot_t *snapshot);
@@ -21,6 +22,10 @@ int64_t probe_signed(int bits, uint64_t word);
 
 const ccgen_axis16_t *probe_axis(const int v) {
     return (v != 0) ? &v_axis : &u_axis;
+}
+
+const ccgen_sensors16_t *probe_sensors(const int v) {
+    return (v != 0) ? &v_sensors : &u_sensors;
 }
 
 size_t probe_size(const int which) {

@@ -2,8 +2,8 @@
  * \file reference.h
  * \brief What an exported joint must answer, owing nothing to the runtime's own arithmetic.
  *
- * fuzz_reference.h, written for each joint, defines `reference`: the two axes of its integer
- * reference model. FUZZ_LAYOUT names the joint's layout.
+ * fuzz_reference.h, written for each joint, defines `reference`: the axes of its integer
+ * reference model, and `reference_sensors`. FUZZ_LAYOUT names the joint's layout.
  */
 #ifndef REFERENCE_H
 #define REFERENCE_H
@@ -11,19 +11,30 @@
 #include "must.h"
 #include "port_joint.h"
 
-/** One axis of the reference model. */
+/** One output axis of the reference model. */
 typedef struct {
+    uint8_t first; /* of its sensors in the joint's list */
     uint8_t sensors;
+    uint16_t rows;
     uint8_t shift;
-    int64_t minimum[CCGEN_AXIS_SENSORS_MAX];
-    int64_t maximum[CCGEN_AXIS_SENSORS_MAX];
-    int64_t bias[PORT_SEGMENTS];
-    int64_t weights[PORT_SEGMENTS][CCGEN_AXIS_SENSORS_MAX];
+    int64_t bias[CCGEN_SEGMENTS_MAX];
+    int64_t weights[CCGEN_SEGMENTS_MAX][CCGEN_SENSORS_MAX];
 } reference_t;
 
-#include "fuzz_reference.h" /* static const reference_t reference[2] */
+/** One sensor: its counts, its differences count - zero, the zeros that are accepted. */
+typedef struct {
+    int64_t minimum;
+    int64_t maximum;
+    int64_t difference_minimum;
+    int64_t difference_maximum;
+    int64_t zero_minimum;
+    int64_t zero_maximum;
+    uint8_t bit; /* in a mask of missing sensors */
+} reference_sensor_t;
 
-#define SENSORS (PORT_SENSORS_U + PORT_SENSORS_V)
+#include "fuzz_reference.h" /* static const: reference[], reference_sensors[PORT_SENSORS] */
+
+#define SENSORS PORT_SENSORS
 #define LIMIT ((int64_t)((UINT64_C(1) << (PORT_PRECISION - 1)) - 1u))
 
 static const ccgen_layout_t *const layout = &FUZZ_LAYOUT;
@@ -46,37 +57,49 @@ static inline const uint8_t *payload_of(const ccgen_frame_t *const frame) {
     return frame->data + (layout->fd ? 3 : 2);
 }
 
-/** \return the axis of a sensor, and its place there. */
-static inline const reference_t *axis_of(const uint8_t j, uint8_t *const sensor) {
-    const bool is_v = (j >= PORT_SENSORS_U);
-    *sensor = (uint8_t)(is_v ? (j - PORT_SENSORS_U) : j);
-    return &reference[is_v ? 1 : 0];
+/** \return whether a count is a reading with this zero. */
+static inline bool is_reading(const uint8_t j, const int64_t count, const int64_t zero) {
+    const reference_sensor_t *const sensor = &reference_sensors[j];
+    const int64_t difference = count - zero;
+    return (count >= sensor->minimum) && (count <= sensor->maximum) &&
+           (difference >= sensor->difference_minimum) && (difference <= sensor->difference_maximum);
 }
 
-/** \return mask of sensors out of range, as the node tells it. */
-static inline int missing_in(const int32_t *const counts) {
-    int mask = 0;
+/** \return mask of sensors without a reading, as the node tells it. */
+static inline int32_t missing_in(const int32_t *const counts, const int64_t *const zero) {
+    int32_t mask = 0;
     for (uint8_t j = 0; j < SENSORS; ++j) {
-        uint8_t sensor = 0;
-        const reference_t *const axis = axis_of(j, &sensor);
-        const bool inside =
-            (counts[j] >= axis->minimum[sensor]) && (counts[j] <= axis->maximum[sensor]);
-        mask |= inside ? 0 : (1 << (sensor + ((j >= PORT_SENSORS_U) ? 8 : 0)));
+        mask |= is_reading(j, counts[j], zero[j]) ? 0 : ((int32_t)1 << reference_sensors[j].bit);
     }
     return mask;
 }
 
-/** The plain computation: acc, shift, saturation. */
+/** The plain computation: acc, shift, saturation; of a value in the list of all axes'. */
 static inline int64_t angle_of(const int32_t *const counts, const int64_t *const zero,
-                               const int which, const uint16_t segment) {
-    const reference_t *const axis = &reference[which];
-    const uint8_t first = (which == 0) ? 0u : PORT_SENSORS_U;
-    int64_t acc = axis->bias[segment];
+                               const uint16_t value) {
+    uint16_t row = value;
+    const reference_t *axis = reference;
+    for (; row >= axis->rows; ++axis) {
+        row = (uint16_t)(row - axis->rows);
+    }
+    int64_t acc = axis->bias[row];
     for (uint8_t j = 0; j < axis->sensors; ++j) {
-        acc += axis->weights[segment][j] * ((int64_t)counts[first + j] - zero[first + j]);
+        const uint8_t sensor = (uint8_t)(axis->first + j);
+        acc += axis->weights[row][j] * ((int64_t)counts[sensor] - zero[sensor]);
     }
     const int64_t angle = acc >> axis->shift;
     return (angle > LIMIT) ? LIMIT : (angle < -LIMIT) ? -LIMIT : angle;
+}
+
+/** The zero offsets that a joint holds, as a list. */
+static inline void read_zero(const port_joint_t *const joint, int64_t *const zero) {
+    port_counts_t counts;
+    port_count_t list[SENSORS];
+    CHECK(port_zero(joint, &counts) == CCGEN_OK);
+    port_pack_counts(&counts, list);
+    for (uint8_t j = 0; j < SENSORS; ++j) {
+        zero[j] = list[j];
+    }
 }
 
 /** Bit by bit, most significant first, over one byte. */

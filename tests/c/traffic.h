@@ -189,13 +189,12 @@ static inline traffic_sending_t *traffic_new_sending(traffic_t *const traffic) {
     sending->number = traffic->number;
     sending->new_life = traffic->starts_anew;
     for (uint8_t j = 0; j < SENSORS; ++j) {
-        uint8_t sensor = 0;
-        const reference_t *const axis = axis_of(j, &sensor);
-        const uint64_t values = (uint64_t)(axis->maximum[sensor] - axis->minimum[sensor]) + 1u;
+        const reference_sensor_t *const sensor = &reference_sensors[j];
+        const uint64_t values = (uint64_t)(sensor->maximum - sensor->minimum) + 1u;
         uint64_t x = (uint64_t)traffic->id * UINT64_C(0x9E3779B97F4A7C15) +
                      (uint64_t)(j + 1u) * UINT64_C(0xD1B54A32D192ED03);
         x = (x ^ (x >> 31)) * UINT64_C(0xBF58476D1CE4E5B9);
-        sending->counts[j] = (int32_t)(axis->minimum[sensor] + (int64_t)((x >> 16) % values));
+        sending->counts[j] = (int32_t)(sensor->minimum + (int64_t)((x >> 16) % values));
     }
     traffic->starts_anew = false;
     return sending;

@@ -43,7 +43,7 @@ void loop() {
     Serial.println();
   } else {
     Serial.print(F("missing sensors: "));
-    Serial.println(shoulder_missing(&counts), BIN);
+    Serial.println(shoulder_missing(&joint, &counts), BIN);
   }
   delay(PERIOD_MS);
 }

@@ -1,6 +1,6 @@
 /**
  * \file axis16.h
- * \brief The model of one bending axis with 16-bit counts, weights and angles: a table in flash.
+ * \brief The model of one output axis with 16-bit counts, weights and angles: a table in flash.
  *
  * Two weights share a word, and how they do depends on what the core multiplies best:
  * - halves: each weight in its half, for cores that multiply both halves at once (SMLAD) and for
@@ -16,7 +16,6 @@
 #define CCGEN_AXIS16_H
 
 #include "ccgen/check.h"
-#include "ccgen/error.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -40,15 +39,12 @@ extern "C" {
 
 /** The model of one axis: lives in flash. */
 typedef struct {
-    uint16_t segments;      /**< 1 to CCGEN_SEGMENTS_MAX */
-    uint8_t sensors;        /**< 1 to CCGEN_AXIS_SENSORS_MAX */
+    uint16_t segments;      /**< 1 to CCGEN_SEGMENTS_MAX; of elongation: sections */
+    uint8_t sensors;        /**< 1 to CCGEN_SENSORS_MAX */
     uint8_t shift;          /**< 0 to 31; 0 to 16 where `saturates` */
     uint8_t fraction_bits;  /**< an angle is in steps of 2^-fraction_bits rad */
     bool saturates;         /**< some readings in range exceed the angle's limit */
     bool narrow;            /**< every difference count - zero fits 16 bits */
-    const int16_t *minimum; /**< [sensors] counts; above INT16_MIN, which means "no reading" */
-    const int16_t *maximum; /**< [sensors] counts */
-    const int16_t *zero;    /**< [sensors] counts at the straight pose, before any capture */
     int32_t bias;           /**< intercept and rounding half at the sum's scale */
     const int32_t *biases;  /**< [segments] what a segment adds to `bias`; NULL where none does */
     /**
@@ -57,54 +53,6 @@ typedef struct {
      */
     const uint32_t *rows;
 } ccgen_axis16_t;
-
-/** \return whether the model can be evaluated; folds to a constant for a constant model. */
-CCGEN_INLINE bool ccgen_axis16_valid(const ccgen_axis16_t *const axis) {
-    return (axis != NULL) && (axis->sensors >= 1u) && (axis->sensors <= CCGEN_AXIS_SENSORS_MAX) &&
-           (axis->segments >= 1u) && (axis->segments <= CCGEN_SEGMENTS_MAX) && (axis->shift < 32u);
-}
-
-/** \return whether a sensor's count is in range; true where the axis has no such sensor. */
-CCGEN_INLINE bool ccgen_axis16_has(const ccgen_axis16_t *const axis, const int16_t *const counts,
-                                   const uint8_t sensor) {
-    if (sensor >= axis->sensors) {
-        return true;
-    }
-    const int32_t minimum = axis->minimum[sensor];
-    return (uint32_t)(counts[sensor] - minimum) <= (uint32_t)(axis->maximum[sensor] - minimum);
-}
-
-/**
- * Tells which sensors' counts are outside their ranges.
- * \param[in] axis    model
- * \param[in] counts  [sensors] counts
- * \return mask of 8 bits, bit j for sensor j; or CCGEN_ERROR_ARGUMENT for a null pointer or an
- *         invalid model
- */
-CCGEN_INLINE int ccgen_axis16_missing(const ccgen_axis16_t *const axis,
-                                      const int16_t *const counts) {
-    if (!ccgen_axis16_valid(axis) || (counts == NULL)) {
-        return CCGEN_ERROR_ARGUMENT;
-    }
-    int mask = 0;
-    for (uint8_t sensor = 0; sensor < axis->sensors; ++sensor) {
-        mask |= ccgen_axis16_has(axis, counts, sensor) ? 0 : (1 << sensor);
-    }
-    return mask;
-}
-
-/**
- * Tells whether every count is in its range; the cheap form of ccgen_axis16_missing() == 0.
- * \param[in] axis    valid model
- * \param[in] counts  [sensors] counts
- */
-CCGEN_INLINE bool ccgen_axis16_complete(const ccgen_axis16_t *const axis,
-                                        const int16_t *const counts) {
-    return ccgen_axis16_has(axis, counts, 0) && ccgen_axis16_has(axis, counts, 1) &&
-           ccgen_axis16_has(axis, counts, 2) && ccgen_axis16_has(axis, counts, 3) &&
-           ccgen_axis16_has(axis, counts, 4) && ccgen_axis16_has(axis, counts, 5) &&
-           ccgen_axis16_has(axis, counts, 6) && ccgen_axis16_has(axis, counts, 7);
-}
 
 #ifdef __cplusplus
 }

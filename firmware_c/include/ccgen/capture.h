@@ -32,9 +32,9 @@ typedef struct {
 
 /** State, owned by the caller; `zero` is for reading when the capture is done. */
 typedef struct {
-    int32_t zero[CCGEN_COUNTS_MAX]; /**< average, counts; before that where each sensor began */
+    int32_t zero[CCGEN_SENSORS_MAX]; /**< average, counts; before that where each sensor began */
 
-    int32_t sum[CCGEN_COUNTS_MAX]; /* of the distances from there */
+    int32_t sum[CCGEN_SENSORS_MAX]; /* of the distances from there */
     uint32_t heard_us;
     uint32_t patience_us;
     uint8_t wanted;

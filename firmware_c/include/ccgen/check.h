@@ -78,8 +78,14 @@
 #define CCGEN_ZERO {0}
 #endif
 
-/** Most sensors on one bending axis: the status frame has eight bits for each axis. */
-#define CCGEN_AXIS_SENSORS_MAX 8
+/** Most sensors of a joint: the status frame has a bit for each. */
+#define CCGEN_SENSORS_MAX 16
+
+/** Most sensors of an axis whose products stand one after the other; more are looped over. */
+#define CCGEN_UNROLLED_MAX 8
+
+/** Most output axes of a joint: bending u and v, elongation h. */
+#define CCGEN_AXES_MAX 3
 
 /** Most segments of a joint. */
 #define CCGEN_SEGMENTS_MAX 64

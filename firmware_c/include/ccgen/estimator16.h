@@ -1,19 +1,19 @@
 /**
  * \file estimator16.h
- * \brief The estimator of one bending axis with 16-bit counts, weights and angles.
+ * \brief The estimator of one output axis with 16-bit counts, weights and angles.
  *
  *     angle_i = saturate((bias_i + sum_j W_ij (count_j - zero_j)) >> shift)
  *
- * Accumulates in 32 bits; there is no division, float, 64-bit arithmetic, loop over sensors or
- * function call. Called with a `static const ccgen_axis16_t` that the compiler sees, everything
+ * Accumulates in 32 bits; there is no division, float, 64-bit arithmetic or function call, and
+ * no loop over up to 8 sensors. Called with a `static const ccgen_axis16_t` that the compiler sees, everything
  * that depends on the number of sensors, the shift and the flags is decided at compile time.
  * Time grows with segments times sensors and does not depend on the readings but for a few
  * instructions: where an axis may saturate, and where a core multiplies two halves at once and a
  * difference does not fit 16 bits. Re-entrant; the state belongs to the caller.
  *
- * The exporter proves for every count within [minimum, maximum] and every zero within the same
- * bounds that no intermediate sum leaves 32 bits and, where `saturates` is false, that every angle
- * fits 16 bits. A zero outside its bounds gives wrong angles, never undefined behaviour.
+ * The exporter proves for every count and zero that sensors16.h accepts that no intermediate sum
+ * leaves 32 bits and, where `saturates` is false, that every angle fits 16 bits. A zero outside its
+ * bounds gives wrong angles, never undefined behaviour.
  */
 #ifndef CCGEN_ESTIMATOR16_H
 #define CCGEN_ESTIMATOR16_H
@@ -26,11 +26,11 @@ extern "C" {
 #endif
 
 /**
- * Evaluates the model without checking anything: for counts that ccgen_axis16_complete() accepts,
- * so that a joint of two axes is checked as a whole before anything is written.
+ * Evaluates the model without checking anything: for counts that ccgen_sensors16_complete()
+ * accepts, so that a joint of several axes is checked as a whole before anything is written.
  * \param[in] axis     valid model
- * \param[in] zero     [sensors] counts at the straight pose, each within its sensor's range
- * \param[in] counts   [sensors] counts of one snapshot, each within its sensor's range
+ * \param[in] zero     [sensors] counts at the straight pose, each accepted for its sensor
+ * \param[in] counts   [sensors] counts of one snapshot, each a reading
  * \param[out] angles  [segments] angles in steps of 2^-fraction_bits rad; may not overlap the
  * inputs
  */
@@ -46,28 +46,6 @@ CCGEN_INLINE void ccgen_axis16_evaluate(const ccgen_axis16_t *const axis, const 
         ccgen_evaluate16(axis, zero, counts, false, angles);
     }
 #endif
-}
-
-/**
- * Estimates the angles of all segments of one axis.
- * \param[in] axis     model
- * \param[in] zero     [sensors] counts at the straight pose, each within its sensor's range
- * \param[in] counts   [sensors] counts of one snapshot
- * \param[out] angles  [segments] angles in steps of 2^-fraction_bits rad; may not overlap the
- * inputs
- * \return CCGEN_OK; CCGEN_ERROR_ARGUMENT for a null pointer or an invalid model;
- *         CCGEN_ERROR_MISSING when a count is outside its range. Nothing is written on error.
- */
-CCGEN_INLINE int ccgen_axis16_estimate(const ccgen_axis16_t *const axis, const int16_t *const zero,
-                                       const int16_t *const counts, int16_t *const angles) {
-    if (!ccgen_axis16_valid(axis) || (zero == NULL) || (counts == NULL) || (angles == NULL)) {
-        return CCGEN_ERROR_ARGUMENT;
-    }
-    if (!ccgen_axis16_complete(axis, counts)) {
-        return CCGEN_ERROR_MISSING;
-    }
-    ccgen_axis16_evaluate(axis, zero, counts, angles);
-    return CCGEN_OK;
 }
 
 #ifdef __cplusplus

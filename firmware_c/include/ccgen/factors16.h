@@ -29,8 +29,9 @@ extern "C" {
 /** Largest angle; saturation clips to plus and minus this, the value below means "no reading". */
 #define CCGEN_ANGLE16_LIMIT 32767
 
-/** Most pairs of sensors on one axis. */
-#define CCGEN_PAIRS_MAX (CCGEN_AXIS_SENSORS_MAX / 2)
+/** Most pairs of sensors on one axis, and most that stand one after the other. */
+#define CCGEN_PAIRS_MAX (CCGEN_SENSORS_MAX / 2)
+#define CCGEN_PAIRS_UNROLLED (CCGEN_UNROLLED_MAX / 2)
 
 /** What one snapshot contributes to every segment. */
 typedef struct {
@@ -126,6 +127,11 @@ CCGEN_INLINE bool ccgen_fits16(const ccgen_axis16_t *const axis, const int16_t *
 CCGEN_INLINE bool ccgen_fits_halves16(const ccgen_axis16_t *const axis, const int16_t *const zero,
                                       const int16_t *const counts) {
 #if CCGEN_HALVES
+    for (uint8_t j = CCGEN_UNROLLED_MAX; !axis->narrow && (j < axis->sensors); ++j) {
+        if (!ccgen_fits16(axis, zero, counts, j)) {
+            return false;
+        }
+    }
     return axis->narrow ||
            (ccgen_fits16(axis, zero, counts, 0) && ccgen_fits16(axis, zero, counts, 1) &&
             ccgen_fits16(axis, zero, counts, 2) && ccgen_fits16(axis, zero, counts, 3) &&

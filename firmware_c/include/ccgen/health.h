@@ -54,6 +54,9 @@ typedef struct {
     bool due; /* whatever the time */
 } ccgen_health_t;
 
+/** \return the mask of axes that says that every axis that is estimated is lost. */
+uint8_t ccgen_health_all_lost(const ccgen_layout_t *layout);
+
 /** Sets the state to: no estimate yet, the model's zero, no command; a frame is due. */
 void ccgen_health_init(const ccgen_layout_t *layout, ccgen_health_t *health);
 

@@ -119,8 +119,14 @@ CCGEN_INLINE void ccgen_segment16(const ccgen_axis16_t *const axis,
     if (axis->biases != NULL) {
         sum += (uint32_t)biases[k];
     }
-    sum = ccgen_add_pairs16(axis, sum, factors, row, 0);
-    sum = ccgen_add_pairs16(axis, sum, factors, row, 1);
+    if (axis->sensors > CCGEN_UNROLLED_MAX) {
+        for (uint8_t pair = 0; pair < ccgen_words16(axis); ++pair) {
+            sum = ccgen_add_pair16(axis, sum, ccgen_load(row), factors, pair);
+        }
+    } else {
+        sum = ccgen_add_pairs16(axis, sum, factors, row, 0);
+        sum = ccgen_add_pairs16(axis, sum, factors, row, 1);
+    }
     ccgen_store16(axis, sum, angles + k);
 }
 
@@ -159,7 +165,8 @@ CCGEN_INLINE void ccgen_evaluate16(const ccgen_axis16_t *const axis, const int16
                                    int16_t *const angles) {
 #if CCGEN_HAS_THUMB1_LOOP
     if (__builtin_constant_p(axis->sensors) && __builtin_constant_p(axis->segments) &&
-        __builtin_constant_p(axis->saturates) && (axis->biases == NULL)) {
+        __builtin_constant_p(axis->saturates) && (axis->biases == NULL) &&
+        (axis->sensors <= CCGEN_UNROLLED_MAX)) {
         if (__builtin_constant_p(axis->shift)) {
             ccgen_thumb1_evaluate16(axis, zero, counts, true, angles);
         } else {
@@ -175,6 +182,9 @@ CCGEN_INLINE void ccgen_evaluate16(const ccgen_axis16_t *const axis, const int16
     ccgen_prepare16(axis, zero, counts, 1, &factors);
     ccgen_prepare16(axis, zero, counts, 2, &factors);
     ccgen_prepare16(axis, zero, counts, 3, &factors);
+    for (uint8_t pair = CCGEN_PAIRS_UNROLLED; pair < ccgen_words16(axis); ++pair) {
+        ccgen_prepare16(axis, zero, counts, pair, &factors);
+    }
     ccgen_segments16(axis, &factors, angles);
 }
 

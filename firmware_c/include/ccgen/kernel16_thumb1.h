@@ -27,7 +27,7 @@
  * axis's sensors; clang takes a register for their address.
  */
 #if defined(__clang__)
-#define CCGEN_THUMB1_FACTORS uint32_t factors[CCGEN_AXIS_SENSORS_MAX]
+#define CCGEN_THUMB1_FACTORS uint32_t factors[CCGEN_UNROLLED_MAX]
 #define CCGEN_THUMB1_FACTOR(k) factors[k]
 #define CCGEN_THUMB1_AT(k) "[%[factors], #4*" #k "]"
 #define CCGEN_THUMB1_OPERANDS [factors] "l"(factors)
@@ -88,7 +88,8 @@
 /**
  * Estimates all segments; number of sensors and segments and whether an angle may saturate must be
  * constants once this is inlined.
- * \param[in] axis     valid model, without biases of single segments
+ * \param[in] axis     valid model of at most CCGEN_UNROLLED_MAX sensors, without biases of single
+ *                     segments
  * \param[in] zero     [sensors] counts at the straight pose
  * \param[in] counts   [sensors] counts
  * \param[in] known    whether the shift is a constant too; a constant itself

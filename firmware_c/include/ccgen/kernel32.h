@@ -20,7 +20,7 @@ extern "C" {
 typedef struct {
     uint32_t start_low;                         /**< what every sum begins with */
     uint32_t start_high;
-    int32_t difference[CCGEN_AXIS_SENSORS_MAX]; /**< count - zero, 0 where there is no sensor */
+    int32_t difference[CCGEN_SENSORS_MAX]; /**< count - zero, 0 where there is no sensor */
 } ccgen_factors32_t;
 
 /** \return count - zero of one sensor modulo 2^32, 0 where the axis has no such sensor. */
@@ -107,10 +107,16 @@ CCGEN_INLINE void ccgen_axis32_segment(const ccgen_axis32_t *const axis,
     if (axis->biases != NULL) {
         sum += (uint64_t)biases[k];
     }
-    sum = ccgen_axis32_add_pair(axis, sum, factors, row, 0);
-    sum = ccgen_axis32_add_pair(axis, sum, factors, row, 1);
-    sum = ccgen_axis32_add_pair(axis, sum, factors, row, 2);
-    sum = ccgen_axis32_add_pair(axis, sum, factors, row, 3);
+    if (axis->sensors > CCGEN_UNROLLED_MAX) {
+        for (uint8_t sensor = 0; sensor < axis->sensors; ++sensor) {
+            sum = ccgen_axis32_add(axis, sum, ccgen_load(row), factors, sensor);
+        }
+    } else {
+        sum = ccgen_axis32_add_pair(axis, sum, factors, row, 0);
+        sum = ccgen_axis32_add_pair(axis, sum, factors, row, 1);
+        sum = ccgen_axis32_add_pair(axis, sum, factors, row, 2);
+        sum = ccgen_axis32_add_pair(axis, sum, factors, row, 3);
+    }
     angles[k] = ccgen_axis32_angle(axis, sum);
 }
 

@@ -2,12 +2,12 @@
  * \file layout.h
  * \brief Which frames a joint has on the bus, and where the signals are in them.
  *
- * Frame k has identifier base_id + k: LENGTHS frames first (counts of the u sensors, then of the
- * v sensors), then ANGLES frames (u segments, then v segments), then TIP, STATUS, HEALTH and
- * COMMAND; what a joint does not publish, or obey, keeps its identifier. Every frame is 8 bytes long
- * (64 on CAN FD): the E2E header, then as many little-endian two's complement signals as fit;
- * unused bytes are 0. A signal's most negative value means "no reading". The E2E data ID is the low
- * 16 bits of the identifier.
+ * Frame k has identifier base_id + k: LENGTHS frames first (counts in the order of the joint's
+ * sensors), then ANGLES frames (u segments, v segments, then elongations h of sections), then TIP,
+ * STATUS, HEALTH and COMMAND; what a joint does not publish, or obey, keeps its identifier. Every
+ * frame is 8 bytes long (64 on CAN FD): the E2E header, then as many little-endian two's complement
+ * signals as fit; unused bytes are 0. A signal's most negative value means "no reading". The E2E
+ * data ID is the low 16 bits of the identifier.
  *
  * Every sending of the sensors has a number, which LENGTHS, ANGLES and TIP carry. On CAN FD it is
  * the counter of P05, 0 to 255. On classic CAN the counter of P01 comes round after 15; the nibble
@@ -29,9 +29,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/** Most counts in one snapshot: both axes. */
-#define CCGEN_COUNTS_MAX (2 * CCGEN_AXIS_SENSORS_MAX)
 
 /** Longest cycle and window, so that sums of times stay far from the clock's wrap. */
 #define CCGEN_PERIOD_MAX_US 300000000u
@@ -57,9 +54,8 @@ typedef struct {
     bool extended;       /**< 29-bit identifiers */
     bool fd;             /**< CAN FD: 64-byte frames and E2E P05; else 8-byte frames and P01 */
     bool turn;           /**< on classic CAN: the number has a turn; without meaning on CAN FD */
-    uint8_t sensors_u;   /**< 1 to CCGEN_AXIS_SENSORS_MAX */
-    uint8_t sensors_v;   /**< 1 to CCGEN_AXIS_SENSORS_MAX */
-    uint8_t segments;    /**< 1 to CCGEN_SEGMENTS_MAX */
+    uint8_t sensors;     /**< 1 to CCGEN_SENSORS_MAX */
+    uint8_t rows[CCGEN_AXES_MAX]; /**< values of u, v and h: each 0 to CCGEN_SEGMENTS_MAX, not all 0 */
     uint8_t count_bytes; /**< of a count on the bus: 2, 3 or 4 */
     uint8_t angle_bytes; /**< of an angle on the bus: 2 or 4 */
     uint32_t cycle_us;   /**< period of snapshots and of the status; 1 to CCGEN_PERIOD_MAX_US */
@@ -100,8 +96,11 @@ uint8_t ccgen_layout_frame_length(const ccgen_layout_t *layout);
 /** \return how many signals of `bytes` bytes fit one frame. */
 uint8_t ccgen_layout_slots(const ccgen_layout_t *layout, uint8_t bytes);
 
-/** \return number of LENGTHS frames, at most CCGEN_COUNTS_MAX. */
+/** \return number of LENGTHS frames, at most CCGEN_SENSORS_MAX. */
 uint8_t ccgen_layout_lengths_frames(const ccgen_layout_t *layout);
+
+/** \return values of all axes, one after the other in the ANGLES frames. */
+uint8_t ccgen_layout_values(const ccgen_layout_t *layout);
 
 /** \return number of ANGLES frames. */
 uint8_t ccgen_layout_angles_frames(const ccgen_layout_t *layout);

@@ -47,7 +47,7 @@ typedef struct {
     uint32_t estimates; /**< snapshots that were estimated */
     uint32_t failures;  /**< snapshots without an estimate */
     uint32_t overruns;  /**< snapshots replaced before all their frames were fetched */
-    uint16_t missing;   /**< bit j: u sensor j, bit 8 + j: v sensor j of the latest snapshot */
+    uint16_t missing;   /**< sensors without a reading in the latest snapshot, as published */
 
     uint32_t status_us;
     uint32_t status_wait_us;
@@ -73,19 +73,17 @@ int ccgen_node_receive(const ccgen_layout_t *layout, ccgen_node_t *node, const c
                        uint32_t now_us);
 
 /**
- * Hands out the counts of the latest complete snapshot, for a joint of precision 16.
- * \param[in] layout
+ * Hands out counts of the latest complete snapshot, for a joint of precision 16.
  * \param[in] node
- * \param[out] u  [sensors_u]
- * \param[out] v  [sensors_v]
- * \return CCGEN_OK, or CCGEN_ERROR_ARGUMENT for a null pointer
+ * \param[in] first    the first sensor, in the joint's order
+ * \param[in] sensors  how many; first + sensors at most CCGEN_SENSORS_MAX
+ * \param[out] counts  [sensors]
+ * \return CCGEN_OK, or CCGEN_ERROR_ARGUMENT for a null pointer or sensors that there are not
  */
-int ccgen_node_counts16(const ccgen_layout_t *layout, const ccgen_node_t *node, int16_t *u,
-                        int16_t *v);
+int ccgen_node_counts16(const ccgen_node_t *node, uint8_t first, uint8_t sensors, int16_t *counts);
 
 /** The same for a joint of precision 32; "no reading" is INT32_MIN whatever the count's width. */
-int ccgen_node_counts32(const ccgen_layout_t *layout, const ccgen_node_t *node, int32_t *u,
-                        int32_t *v);
+int ccgen_node_counts32(const ccgen_node_t *node, uint8_t first, uint8_t sensors, int32_t *counts);
 
 /**
  * Announces the outcome of the latest snapshot: its frames become due.
@@ -103,19 +101,21 @@ int ccgen_node_publish(const ccgen_layout_t *layout, ccgen_node_t *node, int res
  * Fetches the next frame to send, for a joint of precision 16.
  * \param[in] layout
  * \param[in,out] node
- * \param[in] u       [segments] angles of the snapshot last published
- * \param[in] v       [segments]
+ * \param[in] angles  of u, v and h, [rows] each, of the snapshot last published; NULL for an axis
+ *                    without rows
  * \param[in] now_us
  * \param[out] frame  to send; written only with result 1
  * \return 1: send `frame` and call again; 0: nothing is due; CCGEN_ERROR_ARGUMENT for a null
  * pointer
  */
-int ccgen_node_transmit16(const ccgen_layout_t *layout, ccgen_node_t *node, const int16_t *u,
-                          const int16_t *v, uint32_t now_us, ccgen_frame_t *frame);
+int ccgen_node_transmit16(const ccgen_layout_t *layout, ccgen_node_t *node,
+                          const int16_t *const angles[CCGEN_AXES_MAX], uint32_t now_us,
+                          ccgen_frame_t *frame);
 
 /** The same for a joint of precision 32. */
-int ccgen_node_transmit32(const ccgen_layout_t *layout, ccgen_node_t *node, const int32_t *u,
-                          const int32_t *v, uint32_t now_us, ccgen_frame_t *frame);
+int ccgen_node_transmit32(const ccgen_layout_t *layout, ccgen_node_t *node,
+                          const int32_t *const angles[CCGEN_AXES_MAX], uint32_t now_us,
+                          ccgen_frame_t *frame);
 
 /**
  * Takes back the frame that transmit handed out last, for it could not be sent: the next call of

@@ -70,7 +70,7 @@ typedef enum {
 
 /** State, owned by the caller; the fields up to `number` are for reading, the rest is internal. */
 typedef struct {
-    int32_t counts[CCGEN_COUNTS_MAX]; /**< latest complete snapshot: u sensors, then v sensors */
+    int32_t counts[CCGEN_SENSORS_MAX]; /**< latest complete snapshot, in the joint's order */
     uint32_t snapshots;               /**< complete ones */
     uint32_t corrupted;               /**< frames */
     uint32_t malformed;               /**< frames */
@@ -80,7 +80,7 @@ typedef struct {
     uint32_t late;                    /**< snapshots */
     uint8_t number;                   /**< of the latest complete snapshot */
 
-    int32_t pending[CCGEN_COUNTS_MAX];
+    int32_t pending[CCGEN_SENSORS_MAX];
     uint32_t window_us;
     uint32_t window_max_us;
     uint32_t now_us; /* the latest time that was told */

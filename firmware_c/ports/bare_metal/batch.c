@@ -88,11 +88,13 @@ static uint32_t draw(uint32_t *const state) {
 }
 
 /** Angles over the full range of their type: the top bits of the draws. */
-static void draw_angles(uint32_t *const state, port_angle_t angles[PORT_SEGMENTS]) {
-    for (uint8_t i = 0; i < PORT_SEGMENTS; ++i) {
+static void draw_angles(uint32_t *const state, port_angles_t *const angles) {
+    port_angle_t list[PORT_VALUES];
+    for (uint8_t i = 0; i < PORT_VALUES; ++i) {
         const int32_t x = ccgen_signed32(draw(state));
-        angles[i] = (port_angle_t)(x >> (32 - PORT_PRECISION));
+        list[i] = (port_angle_t)(x >> (32 - PORT_PRECISION));
     }
+    port_unpack_angles(list, angles);
 }
 
 static uint32_t add(const uint32_t sum, const float number) {
@@ -128,8 +130,7 @@ static bool check_poses(void) {
     for (uint32_t k = 0; k < BATCH_POSES; ++k) {
         port_angles_t angles;
         port_pose_t pose;
-        draw_angles(&state, angles.u);
-        draw_angles(&state, angles.v);
+        draw_angles(&state, &angles);
         if (port_tip_pose(&angles, &pose) != CCGEN_OK) {
             return false;
         }

@@ -6,11 +6,12 @@
  * port_node_init, port_node_receive, port_node_transmit, port_node_unsent, port_node_set_window;
  * port_joint_t,
  * port_counts_t, port_angles_t, port_count_t, port_angle_t, port_pose_t with port_init,
- * port_capture_zero, port_estimate, port_missing, port_segment_pose, port_tip_pose and
- * port_tip_jacobian; PORT_SEGMENTS, PORT_SENSORS_U, PORT_SENSORS_V and PORT_PRECISION.
+ * port_restore_zero, port_estimate, port_unpack_counts, port_pack_angles, port_unpack_angles,
+ * port_segment_pose, port_tip_pose and port_tip_jacobian; PORT_SEGMENTS, PORT_SENSORS, PORT_VALUES
+ * and PORT_PRECISION.
  *
- * All arrays are dense, row-major and the caller's. Counts of a snapshot are the u sensors, then
- * the v sensors; angles the u segments, then the v segments.
+ * All arrays are dense, row-major and the caller's. Counts of a snapshot are in the order of the
+ * joint's sensors; its values those of u, then v, then h, of the axes that are estimated.
  */
 #include "port_joint.h"
 
@@ -29,8 +30,6 @@
 extern "C" {
 #endif
 
-#define SENSORS (PORT_SENSORS_U + PORT_SENSORS_V)
-
 /** Indices into what ccgen_shared_node_counters() writes. */
 enum {
     COUNTER_SNAPSHOTS,
@@ -46,7 +45,7 @@ enum {
     COUNTERS
 };
 
-/** \param[out] shape  [4] segments, u sensors, v sensors, precision  \return CCGEN_OK or error */
+/** \param[out] shape  [4] segments, sensors, values, precision  \return CCGEN_OK or error */
 EXPORT int ccgen_shared_shape(int32_t *shape);
 
 /** \return bytes that a node needs; aligned as malloc() aligns */
@@ -90,17 +89,17 @@ EXPORT int ccgen_shared_node_counters(const void *node, uint32_t *counters);
  * Estimates n snapshots.
  * \param[in] counts    [n][sensors]
  * \param[in] zero      [sensors] counts at the straight pose; NULL for those of the model
- * \param[out] angles   [n][2 * segments]; rows of failed snapshots stay as they are
+ * \param[out] angles   [n][values]; rows of failed snapshots stay as they are
  * \param[out] results  [n] what NAME_estimate() returned for each
- * \return CCGEN_OK; CCGEN_ERROR_ARGUMENT for a null pointer; CCGEN_ERROR_MISSING for a zero out of
- *         range
+ * \return CCGEN_OK; CCGEN_ERROR_ARGUMENT for a null pointer; what NAME_restore_zero() returned
+ *         for a zero that it refuses
  */
 EXPORT int ccgen_batch_estimate(const port_count_t *counts, const port_count_t *zero, size_t n,
                                 port_angle_t *angles, int8_t *results);
 
 /**
  * Poses of every segment's distal end, and after them the tip's, for n sets of angles.
- * \param[in] angles      [n][2 * segments]
+ * \param[in] angles      [n][values]
  * \param[out] positions  [n][segments + 1][3] metres
  * \param[out] rotations  [n][segments + 1][3][3]
  * \return CCGEN_OK, or the first error
@@ -110,34 +109,11 @@ EXPORT int ccgen_batch_poses(const port_angle_t *angles, size_t n, float *positi
 
 /**
  * Tip Jacobians for n sets of angles.
- * \param[in] angles      [n][2 * segments]
- * \param[out] jacobians  [n][6][2 * segments]
+ * \param[in] angles      [n][values]
+ * \param[out] jacobians  [n][6][values]
  * \return CCGEN_OK, or the first error
  */
 EXPORT int ccgen_batch_jacobians(const port_angle_t *angles, size_t n, float *jacobians);
-
-static void unpack_counts(const port_count_t *const list, port_counts_t *const counts) {
-    for (size_t j = 0; j < PORT_SENSORS_U; ++j) {
-        counts->u[j] = list[j];
-    }
-    for (size_t j = 0; j < PORT_SENSORS_V; ++j) {
-        counts->v[j] = list[PORT_SENSORS_U + j];
-    }
-}
-
-static void unpack_angles(const port_angle_t *const list, port_angles_t *const angles) {
-    for (size_t i = 0; i < PORT_SEGMENTS; ++i) {
-        angles->u[i] = list[i];
-        angles->v[i] = list[PORT_SEGMENTS + i];
-    }
-}
-
-static void pack_angles(const port_angles_t *const angles, port_angle_t *const list) {
-    for (size_t i = 0; i < PORT_SEGMENTS; ++i) {
-        list[i] = angles->u[i];
-        list[PORT_SEGMENTS + i] = angles->v[i];
-    }
-}
 
 static void pack_pose(const port_pose_t *const pose, float *const position, float *const rotation) {
     for (size_t i = 0; i < 3u; ++i) {
@@ -153,8 +129,8 @@ int ccgen_shared_shape(int32_t *const shape) {
         return CCGEN_ERROR_ARGUMENT;
     }
     shape[0] = PORT_SEGMENTS;
-    shape[1] = PORT_SENSORS_U;
-    shape[2] = PORT_SENSORS_V;
+    shape[1] = PORT_SENSORS;
+    shape[2] = PORT_VALUES;
     shape[3] = PORT_PRECISION;
     return CCGEN_OK;
 }
@@ -241,8 +217,8 @@ static int start_joint(const port_count_t *const zero, port_joint_t *const joint
     if ((result != CCGEN_OK) || (zero == NULL)) {
         return result;
     }
-    unpack_counts(zero, &counts);
-    return port_capture_zero(joint, &counts);
+    port_unpack_counts(zero, &counts);
+    return port_restore_zero(joint, &counts);
 }
 
 int ccgen_batch_estimate(const port_count_t *const counts, const port_count_t *const zero,
@@ -258,10 +234,10 @@ int ccgen_batch_estimate(const port_count_t *const counts, const port_count_t *c
     for (size_t k = 0; k < n; ++k) {
         port_counts_t snapshot;
         port_angles_t estimate;
-        unpack_counts(&counts[k * SENSORS], &snapshot);
+        port_unpack_counts(&counts[k * PORT_SENSORS], &snapshot);
         results[k] = (int8_t)port_estimate(&joint, &snapshot, &estimate);
         if (results[k] == CCGEN_OK) {
-            pack_angles(&estimate, &angles[k * 2u * PORT_SEGMENTS]);
+            port_pack_angles(&estimate, &angles[k * PORT_VALUES]);
         }
     }
     return CCGEN_OK;
@@ -274,7 +250,7 @@ int ccgen_batch_poses(const port_angle_t *const angles, const size_t n, float *c
     }
     for (size_t k = 0; k < n; ++k) {
         port_angles_t shape;
-        unpack_angles(&angles[k * 2u * PORT_SEGMENTS], &shape);
+        port_unpack_angles(&angles[k * PORT_VALUES], &shape);
         for (uint16_t i = 0; i <= PORT_SEGMENTS; ++i) {
             port_pose_t pose;
             const size_t row = k * (PORT_SEGMENTS + 1u) + i;
@@ -296,16 +272,16 @@ int ccgen_batch_jacobians(const port_angle_t *const angles, const size_t n,
     }
     for (size_t k = 0; k < n; ++k) {
         port_angles_t shape;
-        float jacobian[6][2 * PORT_SEGMENTS];
-        unpack_angles(&angles[k * 2u * PORT_SEGMENTS], &shape);
+        float jacobian[6][PORT_VALUES];
+        port_unpack_angles(&angles[k * PORT_VALUES], &shape);
         const int result = port_tip_jacobian(&shape, jacobian);
         if (result != CCGEN_OK) {
             return result;
         }
-        float *const row = &jacobians[k * 12u * PORT_SEGMENTS];
+        float *const row = &jacobians[k * 6u * PORT_VALUES];
         for (size_t i = 0; i < 6u; ++i) {
-            for (size_t j = 0; j < 2u * PORT_SEGMENTS; ++j) {
-                row[i * 2u * PORT_SEGMENTS + j] = jacobian[i][j];
+            for (size_t j = 0; j < PORT_VALUES; ++j) {
+                row[i * PORT_VALUES + j] = jacobian[i][j];
             }
         }
     }

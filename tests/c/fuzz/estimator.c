@@ -7,6 +7,8 @@
  */
 #include "ccgen/estimator16.h"
 #include "ccgen/estimator32.h"
+#include "ccgen/sensors16.h"
+#include "ccgen/sensors32.h"
 
 #include <string.h>
 
@@ -20,13 +22,16 @@ typedef struct {
     uint8_t sensors;
     uint8_t shift;
     bool saturates;
-    bool common; /* one bias for all segments */
-    int32_t minimum[CCGEN_AXIS_SENSORS_MAX];
-    int32_t maximum[CCGEN_AXIS_SENSORS_MAX];
-    int32_t counts[CCGEN_AXIS_SENSORS_MAX];
-    int32_t zero[CCGEN_AXIS_SENSORS_MAX];
+    bool common;   /* one bias for all segments */
+    bool relative; /* differences have a range of their own */
+    int32_t minimum[CCGEN_SENSORS_MAX];
+    int32_t maximum[CCGEN_SENSORS_MAX];
+    int32_t difference_minimum[CCGEN_SENSORS_MAX];
+    int32_t difference_maximum[CCGEN_SENSORS_MAX];
+    int32_t counts[CCGEN_SENSORS_MAX];
+    int32_t zero[CCGEN_SENSORS_MAX];
     int64_t bias[CCGEN_SEGMENTS_MAX];
-    int32_t weights[CCGEN_SEGMENTS_MAX][CCGEN_AXIS_SENSORS_MAX];
+    int32_t weights[CCGEN_SEGMENTS_MAX][CCGEN_SENSORS_MAX];
 } axis_t;
 
 __extension__ typedef __int128 wide_t;
@@ -66,15 +71,18 @@ static int32_t draw_reading(input_t *const input, const uint8_t precision) {
 static void draw_axis(input_t *const input, const uint8_t precision, axis_t *const axis) {
     const uint8_t flags = take8(input);
     axis->segments = (uint16_t)(1u + take8(input) % CCGEN_SEGMENTS_MAX);
-    axis->sensors = (uint8_t)(1u + take8(input) % CCGEN_AXIS_SENSORS_MAX);
+    axis->sensors = (uint8_t)(1u + take8(input) % CCGEN_SENSORS_MAX);
     axis->saturates = (flags & 1u) != 0u;
     axis->common = (flags & 2u) != 0u;
+    axis->relative = (flags & 4u) != 0u;
     axis->shift = (uint8_t)(take8(input) % (axis->saturates ? (precision + 1u) : 2u * precision));
     for (uint8_t j = 0; j < axis->sensors; ++j) {
         const int32_t a = draw_reading(input, precision);
         const int32_t b = draw_reading(input, precision);
         axis->minimum[j] = (a < b) ? a : b;
         axis->maximum[j] = (a < b) ? b : a;
+        axis->difference_minimum[j] = (int32_t)-(draw(input, 32) & INT32_MAX);
+        axis->difference_maximum[j] = (int32_t)(draw(input, 32) & INT32_MAX);
         axis->counts[j] = (int32_t)draw(input, precision);
         axis->zero[j] = (int32_t)draw(input, precision);
     }
@@ -86,14 +94,18 @@ static void draw_axis(input_t *const input, const uint8_t precision, axis_t *con
     }
 }
 
-static int missing(const axis_t *const axis) {
-    int mask = 0;
+/** \return mask of counts out of range; and of those that are too far from their zero. */
+static uint16_t missing(const axis_t *const axis, const bool relative) {
+    uint32_t mask = 0;
     for (uint8_t j = 0; j < axis->sensors; ++j) {
+        const wide_t difference = (wide_t)axis->counts[j] - axis->zero[j];
         const bool inside =
             (axis->counts[j] >= axis->minimum[j]) && (axis->counts[j] <= axis->maximum[j]);
-        mask |= inside ? 0 : (1 << j);
+        const bool near = (difference >= axis->difference_minimum[j]) &&
+                          (difference <= axis->difference_maximum[j]);
+        mask |= (inside && (near || !relative)) ? 0u : ((uint32_t)1u << j);
     }
-    return mask;
+    return (uint16_t)mask;
 }
 
 /** \return whether a signed type of `bits` bits holds the value. */
@@ -136,14 +148,14 @@ static void check_angle(const axis_t *const axis, const uint8_t precision, const
 
 static void fuzz16(input_t input) {
     axis_t axis;
-    int16_t minimum[CCGEN_AXIS_SENSORS_MAX];
-    int16_t maximum[CCGEN_AXIS_SENSORS_MAX];
-    int16_t counts[CCGEN_AXIS_SENSORS_MAX];
-    int16_t zero[CCGEN_AXIS_SENSORS_MAX];
+    int16_t minimum[CCGEN_SENSORS_MAX];
+    int16_t maximum[CCGEN_SENSORS_MAX];
+    int16_t counts[CCGEN_SENSORS_MAX];
+    int16_t zero[CCGEN_SENSORS_MAX];
     int32_t biases[CCGEN_SEGMENTS_MAX];
     int16_t angles[CCGEN_SEGMENTS_MAX + 1];
     int16_t before[CCGEN_SEGMENTS_MAX + 1];
-    uint32_t rows[CCGEN_SEGMENTS_MAX * CCGEN_AXIS_SENSORS_MAX / 2];
+    uint32_t rows[CCGEN_SEGMENTS_MAX * CCGEN_SENSORS_MAX / 2];
     memset(&axis, 0, sizeof axis);
     draw_axis(&input, 16, &axis);
     for (uint8_t j = 0; j < axis.sensors; ++j) {
@@ -169,20 +181,28 @@ static void fuzz16(input_t input) {
         10,
         axis.saturates,
         narrow,
-        minimum,
-        maximum,
-        zero,
         (int32_t)axis.bias[0],
         axis.common ? NULL : biases,
         rows,
     };
     memset(angles, MARK, sizeof angles);
     memcpy(before, angles, sizeof before);
-    const int mask = missing(&axis);
-    const int result = ccgen_axis16_estimate(&model, zero, counts, angles);
-    CHECK(ccgen_axis16_missing(&model, counts) == mask);
-    CHECK(result == ((mask == 0) ? CCGEN_OK : CCGEN_ERROR_MISSING));
-    const size_t written = (result == CCGEN_OK) ? axis.segments : 0u;
+    const ccgen_sensors16_t sensors = {
+        axis.sensors,
+        minimum,
+        maximum,
+        zero,
+        axis.relative ? axis.difference_minimum : NULL,
+        axis.relative ? axis.difference_maximum : NULL,
+        minimum,
+        maximum,
+    };
+    const uint16_t mask = missing(&axis, axis.relative);
+    CHECK(ccgen_sensors16_missing(&sensors, zero, counts) == mask);
+    CHECK(ccgen_sensors16_complete(&sensors, zero, counts) == (mask == 0u));
+    CHECK(ccgen_outside16(minimum, maximum, counts, axis.sensors) == missing(&axis, false));
+    ccgen_axis16_evaluate(&model, zero, counts, angles);
+    const size_t written = axis.segments;
     CHECK(memcmp(&angles[written], &before[written], sizeof angles - written * 2u) == 0);
     for (uint16_t i = 0; (i < written) && differences_fit(&axis, 16, 17); ++i) {
         check_angle(&axis, 16, i, angles[i]);
@@ -194,7 +214,7 @@ static void fuzz32(input_t input) {
     int64_t biases[CCGEN_SEGMENTS_MAX];
     int32_t angles[CCGEN_SEGMENTS_MAX + 1];
     int32_t before[CCGEN_SEGMENTS_MAX + 1];
-    int32_t weights[CCGEN_SEGMENTS_MAX * CCGEN_AXIS_SENSORS_MAX];
+    int32_t weights[CCGEN_SEGMENTS_MAX * CCGEN_SENSORS_MAX];
     memset(&axis, 0, sizeof axis);
     draw_axis(&input, 32, &axis);
     for (uint16_t i = 0; i < axis.segments; ++i) {
@@ -204,17 +224,34 @@ static void fuzz32(input_t input) {
         }
     }
     const ccgen_axis32_t model = {
-        axis.segments, axis.sensors, axis.shift, 10,           axis.saturates,
-        axis.minimum,  axis.maximum, axis.zero,  axis.bias[0], axis.common ? NULL : biases,
+        axis.segments,
+        axis.sensors,
+        axis.shift,
+        10,
+        axis.saturates,
+        axis.bias[0],
+        axis.common ? NULL : biases,
         weights,
+    };
+    const ccgen_sensors32_t sensors = {
+        axis.sensors,
+        axis.minimum,
+        axis.maximum,
+        axis.zero,
+        axis.relative ? axis.difference_minimum : NULL,
+        axis.relative ? axis.difference_maximum : NULL,
+        axis.minimum,
+        axis.maximum,
     };
     memset(angles, MARK, sizeof angles);
     memcpy(before, angles, sizeof before);
-    const int mask = missing(&axis);
-    const int result = ccgen_axis32_estimate(&model, axis.zero, axis.counts, angles);
-    CHECK(ccgen_axis32_missing(&model, axis.counts) == mask);
-    CHECK(result == ((mask == 0) ? CCGEN_OK : CCGEN_ERROR_MISSING));
-    const size_t written = (result == CCGEN_OK) ? axis.segments : 0u;
+    const uint16_t mask = missing(&axis, axis.relative);
+    CHECK(ccgen_sensors32_missing(&sensors, axis.zero, axis.counts) == mask);
+    CHECK(ccgen_sensors32_complete(&sensors, axis.zero, axis.counts) == (mask == 0u));
+    CHECK(ccgen_outside32(axis.minimum, axis.maximum, axis.counts, axis.sensors) ==
+          missing(&axis, false));
+    ccgen_axis32_evaluate(&model, axis.zero, axis.counts, angles);
+    const size_t written = axis.segments;
     CHECK(memcmp(&angles[written], &before[written], sizeof angles - written * 4u) == 0);
     for (uint16_t i = 0; (i < written) && differences_fit(&axis, 32, 32); ++i) {
         check_angle(&axis, 32, i, angles[i]);

@@ -51,8 +51,8 @@ typedef struct {
     uint8_t owed;   /* faults that no sent status has told */
     uint8_t recent; /* those since the latest status was handed out */
     int published;
-    int missing;
-    int64_t angles[2][PORT_SEGMENTS];
+    int32_t missing;
+    int64_t angles[PORT_VALUES];
     bool estimated;
     uint32_t corrupted;
     uint32_t malformed;
@@ -109,9 +109,10 @@ static uint32_t tell(bus_t *const bus) {
 }
 
 static void check_angles(const bus_t *const bus) {
-    for (uint16_t i = 0; i < PORT_SEGMENTS; ++i) {
-        CHECK(bus->node->angles.u[i] == bus->angles[0][i]);
-        CHECK(bus->node->angles.v[i] == bus->angles[1][i]);
+    port_angle_t angles[PORT_VALUES];
+    port_pack_angles(&bus->node->angles, angles);
+    for (uint16_t i = 0; i < PORT_VALUES; ++i) {
+        CHECK(angles[i] == bus->angles[i]);
     }
 }
 
@@ -151,12 +152,11 @@ static void publish(bus_t *const bus, const int result) {
     const int32_t *const counts = snapshot_of(bus)->counts;
     check_counts(bus);
     CHECK((bus->traffic == NULL) || (traffic_sending_of(bus->traffic, counts) != 0u));
-    bus->missing = missing_in(counts);
+    bus->missing = missing_in(counts, bus->zero);
     bus->estimated = (bus->missing == 0);
     CHECK(result == (bus->estimated ? 1 : CCGEN_ERROR_MISSING));
-    for (uint16_t i = 0; (i < PORT_SEGMENTS) && bus->estimated; ++i) {
-        bus->angles[0][i] = angle_of(counts, bus->zero, 0, i);
-        bus->angles[1][i] = angle_of(counts, bus->zero, 1, i);
+    for (uint16_t i = 0; (i < PORT_VALUES) && bus->estimated; ++i) {
+        bus->angles[i] = angle_of(counts, bus->zero, i);
     }
     owe(bus, bus->estimated ? 0u : CCGEN_FAULT_MISSING);
     bus->estimates += bus->estimated ? 1u : 0u;
@@ -250,8 +250,8 @@ static void check_answer(const bus_t *const bus, const uint16_t index,
     }
     size_t used = 0;
     size_t place = (size_t)(index - ccgen_layout_lengths_frames(layout)) * per_frame;
-    for (uint8_t i = 0; (i < per_frame) && (place < (2u * PORT_SEGMENTS)); ++i) {
-        const int64_t angle = bus->angles[place / PORT_SEGMENTS][place % PORT_SEGMENTS];
+    for (uint8_t i = 0; (i < per_frame) && (place < PORT_VALUES); ++i) {
+        const int64_t angle = bus->angles[place];
         CHECK(read_signed(payload + used, bytes) == (bus->estimated ? angle : lowest_of(bytes)));
         used += bytes;
         ++place;
@@ -369,11 +369,10 @@ static void lag(bus_t *const bus, input_t *const input) {
 static void move_sensors(bus_t *const bus, input_t *const input) {
     const uint8_t how = take8(input);
     for (uint8_t j = 0; j < SENSORS; ++j) {
-        uint8_t sensor = 0;
-        const reference_t *const axis = axis_of(j, &sensor);
-        const uint64_t places = (uint64_t)(axis->maximum[sensor] - axis->minimum[sensor]) + 1u;
+        const reference_sensor_t *const sensor = &reference_sensors[j];
+        const uint64_t places = (uint64_t)(sensor->maximum - sensor->minimum) + 1u;
         const uint32_t word = take32(input);
-        const int64_t inside = axis->minimum[sensor] + (int64_t)(word % places);
+        const int64_t inside = sensor->minimum + (int64_t)(word % places);
         bus->counts[j] = (int32_t)inside;
         if ((how % 8u) == 0u) {
             const uint8_t raw[4] = {(uint8_t)word, (uint8_t)(word >> 8), (uint8_t)(word >> 16),
@@ -381,7 +380,7 @@ static void move_sensors(bus_t *const bus, input_t *const input) {
             bus->counts[j] = (int32_t)read_signed(raw, layout->count_bytes);
         } else if ((how % 8u) == 1u) {
             bus->counts[j] =
-                (int32_t)(((word & 1u) != 0u) ? axis->maximum[sensor] : axis->minimum[sensor]);
+                (int32_t)(((word & 1u) != 0u) ? sensor->maximum : sensor->minimum);
         }
     }
 }
@@ -472,23 +471,32 @@ static void make_any(input_t *const input, ccgen_frame_t *const frame) {
     }
 }
 
-static void capture_zero(bus_t *const bus) {
+/** Takes what the sensors read as zero, by a capture or as one that was kept. */
+static void take_zero(bus_t *const bus, const bool captured) {
     port_counts_t counts;
-    port_count_t *const lists[2] = {counts.u, counts.v};
+    port_count_t list[SENSORS];
+    int32_t refused = 0;
     bool inside = true;
     for (uint8_t j = 0; j < SENSORS; ++j) {
-        const bool is_v = (j >= PORT_SENSORS_U);
-        const uint8_t sensor = (uint8_t)(is_v ? (j - PORT_SENSORS_U) : j);
-        const reference_t *const axis = &reference[is_v ? 1 : 0];
-        lists[is_v ? 1 : 0][sensor] = (port_count_t)bus->counts[j];
-        inside = inside && (bus->counts[j] >= axis->minimum[sensor]) &&
-                 (bus->counts[j] <= axis->maximum[sensor]);
+        const reference_sensor_t *const sensor = &reference_sensors[j];
+        const int64_t count = bus->counts[j];
+        const bool accepted = (count >= sensor->zero_minimum) && (count <= sensor->zero_maximum);
+        refused |= accepted ? 0 : ((int32_t)1 << sensor->bit);
+        inside = inside && (count >= sensor->minimum) && (count <= sensor->maximum);
+        list[j] = (port_count_t)count;
     }
-    CHECK(port_capture_zero(&bus->node->joint, &counts) ==
-          (inside ? CCGEN_OK : CCGEN_ERROR_MISSING));
-    for (uint8_t j = 0; (j < SENSORS) && inside; ++j) {
+    port_unpack_counts(list, &counts);
+    CHECK(port_check_zero(&counts) == refused);
+    const int refusal = inside ? CCGEN_ERROR_RANGE : CCGEN_ERROR_MISSING;
+    CHECK((captured ? port_capture_zero(&bus->node->joint, &counts)
+                    : port_restore_zero(&bus->node->joint, &counts)) ==
+          ((refused == 0) ? CCGEN_OK : refusal));
+    for (uint8_t j = 0; (j < SENSORS) && (refused == 0); ++j) {
         bus->zero[j] = bus->counts[j];
     }
+    int64_t held[SENSORS];
+    read_zero(&bus->node->joint, held);
+    CHECK(memcmp(held, bus->zero, sizeof held) == 0);
 }
 
 static void step(bus_t *const bus, input_t *const input) {
@@ -520,7 +528,7 @@ static void step(bus_t *const bus, input_t *const input) {
             }
             break;
         case 6:
-            capture_zero(bus);
+            take_zero(bus, (take8(input) % 2u) == 0u);
             break;
         case 7: {
             const uint32_t window_us = take32(input) >> (take8(input) % 32u);
@@ -603,12 +611,7 @@ static void start(bus_t *const bus, input_t *const input) {
     bus->told_us = bus->now_us;
     rule_start(&bus->rule, numbers_of_joint(), ccgen_layout_lengths_frames(layout),
                layout->cycle_us, layout->window_us);
-    for (uint8_t j = 0; j < PORT_SENSORS_U; ++j) {
-        bus->zero[j] = bus->node->joint.zero.u[j];
-    }
-    for (uint8_t j = 0; j < PORT_SENSORS_V; ++j) {
-        bus->zero[PORT_SENSORS_U + j] = bus->node->joint.zero.v[j];
-    }
+    read_zero(&bus->node->joint, bus->zero);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *const data, const size_t size) {

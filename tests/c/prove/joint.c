@@ -12,7 +12,7 @@ static void estimate_anything(void) {
     port_joint_t joint;
     port_counts_t counts;
     port_angles_t angles;
-    float jacobian[6][2 * PORT_SEGMENTS];
+    float jacobian[6][PORT_VALUES];
     Frama_C_make_unknown((char *)&joint, sizeof joint);
     Frama_C_make_unknown((char *)&counts, sizeof counts);
     (void)port_estimate(&joint, &counts, &angles);

@@ -8,8 +8,8 @@
 #include "sample_can.h"
 
 #define PORT_SEGMENTS SAMPLE_SEGMENTS
-#define PORT_SENSORS_U SAMPLE_SENSORS_U
-#define PORT_SENSORS_V SAMPLE_SENSORS_V
+#define PORT_SENSORS SAMPLE_SENSORS
+#define PORT_VALUES SAMPLE_VALUES
 #define PORT_PRECISION SAMPLE_PRECISION
 #define PORT_CYCLE_US SAMPLE_CYCLE_US
 #define PORT_WINDOW_MAX_US SAMPLE_WINDOW_MAX_US
@@ -51,13 +51,17 @@ static inline int port_capture_zero(port_joint_t *joint, const port_counts_t *co
     return sample_capture_zero(joint, counts);
 }
 
+static inline int port_restore_zero(port_joint_t *joint, const port_counts_t *zero) {
+    return sample_restore_zero(joint, zero);
+}
+
 static inline int port_estimate(const port_joint_t *joint, const port_counts_t *counts,
                                 port_angles_t *angles) {
     return sample_estimate(joint, counts, angles);
 }
 
-static inline int32_t port_missing(const port_counts_t *counts) {
-    return sample_missing(counts);
+static inline int32_t port_missing(const port_joint_t *joint, const port_counts_t *counts) {
+    return sample_missing(joint, counts);
 }
 
 static inline int port_segment_pose(const port_angles_t *angles, uint16_t segment,
@@ -70,8 +74,31 @@ static inline int port_tip_pose(const port_angles_t *angles, port_pose_t *pose) 
 }
 
 static inline int port_tip_jacobian(const port_angles_t *angles,
-                                    float jacobian[6][2 * PORT_SEGMENTS]) {
+                                    float jacobian[6][PORT_VALUES]) {
     return sample_tip_jacobian(angles, jacobian);
+}
+
+static inline void port_unpack_counts(const port_count_t *list, port_counts_t *counts) {
+    for (uint8_t j = 0; j < SAMPLE_SENSORS_U; ++j) {
+        counts->u[j] = list[j];
+    }
+    for (uint8_t j = 0; j < SAMPLE_SENSORS_V; ++j) {
+        counts->v[j] = list[SAMPLE_SENSORS_U + j];
+    }
+}
+
+static inline void port_unpack_angles(const port_angle_t *list, port_angles_t *angles) {
+    for (uint8_t i = 0; i < SAMPLE_SEGMENTS; ++i) {
+        angles->u[i] = list[i];
+        angles->v[i] = list[SAMPLE_SEGMENTS + i];
+    }
+}
+
+static inline void port_pack_angles(const port_angles_t *angles, port_angle_t *list) {
+    for (uint8_t i = 0; i < SAMPLE_SEGMENTS; ++i) {
+        list[i] = angles->u[i];
+        list[SAMPLE_SEGMENTS + i] = angles->v[i];
+    }
 }
 
 #endif /* PORT_JOINT_H */

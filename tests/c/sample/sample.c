@@ -1,6 +1,7 @@
 #include "sample.h"
 
 #include "ccgen/estimator16.h"
+#include "ccgen/sensors16.h"
 
 /* Axis u saturates within its range and is narrow; axis v does neither. */
 static const int16_t u_minimum[3] = {-10000, -9000, -10000};
@@ -48,13 +49,21 @@ static const uint32_t v_rows[SAMPLE_SEGMENTS * 2] = {
 /* clang-format on */
 
 static const ccgen_axis16_t u_axis = {
-    SAMPLE_SEGMENTS, SAMPLE_SENSORS_U, 12,     SAMPLE_FRACTION_BITS_U, true, true, u_minimum,
-    u_maximum,       u_zero, -2152, u_biases, u_rows,
+    SAMPLE_SEGMENTS, SAMPLE_SENSORS_U, 12, SAMPLE_FRACTION_BITS_U, true, true, -2152, u_biases,
+    u_rows,
+};
+
+static const ccgen_sensors16_t u_sensors = {
+    SAMPLE_SENSORS_U, u_minimum, u_maximum, u_zero, NULL, NULL, u_minimum, u_maximum,
 };
 
 static const ccgen_axis16_t v_axis = {
-    SAMPLE_SEGMENTS, SAMPLE_SENSORS_V, 12,     SAMPLE_FRACTION_BITS_V, false, false, v_minimum,
-    v_maximum,       v_zero, 3848, v_biases, v_rows,
+    SAMPLE_SEGMENTS, SAMPLE_SENSORS_V, 12, SAMPLE_FRACTION_BITS_V, false, false, 3848, v_biases,
+    v_rows,
+};
+
+static const ccgen_sensors16_t v_sensors = {
+    SAMPLE_SENSORS_V, v_minimum, v_maximum, v_zero, NULL, NULL, v_minimum, v_maximum,
 };
 
 int sample_init(sample_t *const joint) {
@@ -62,10 +71,10 @@ int sample_init(sample_t *const joint) {
         return CCGEN_ERROR_ARGUMENT;
     }
     for (uint8_t j = 0; j < SAMPLE_SENSORS_U; ++j) {
-        joint->zero.u[j] = u_axis.zero[j];
+        joint->zero.u[j] = u_zero[j];
     }
     for (uint8_t j = 0; j < SAMPLE_SENSORS_V; ++j) {
-        joint->zero.v[j] = v_axis.zero[j];
+        joint->zero.v[j] = v_zero[j];
     }
     return CCGEN_OK;
 }
@@ -74,11 +83,15 @@ int sample_capture_zero(sample_t *const joint, const sample_counts_t *const coun
     if ((joint == NULL) || (counts == NULL)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    if (sample_missing(counts) != 0) {
+    if (sample_missing(joint, counts) != 0) {
         return CCGEN_ERROR_MISSING;
     }
     joint->zero = *counts;
     return CCGEN_OK;
+}
+
+int sample_restore_zero(sample_t *const joint, const sample_counts_t *const zero) {
+    return sample_capture_zero(joint, zero);
 }
 
 int sample_estimate(const sample_t *const joint, const sample_counts_t *const counts,
@@ -86,7 +99,7 @@ int sample_estimate(const sample_t *const joint, const sample_counts_t *const co
     if ((joint == NULL) || (counts == NULL) || (angles == NULL)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    if (!ccgen_axis16_complete(&u_axis, counts->u) || !ccgen_axis16_complete(&v_axis, counts->v)) {
+    if (sample_missing(joint, counts) != 0) {
         return CCGEN_ERROR_MISSING;
     }
     ccgen_axis16_evaluate(&u_axis, joint->zero.u, counts->u, angles->u);
@@ -94,11 +107,11 @@ int sample_estimate(const sample_t *const joint, const sample_counts_t *const co
     return CCGEN_OK;
 }
 
-int32_t sample_missing(const sample_counts_t *const counts) {
-    if (counts == NULL) {
+int32_t sample_missing(const sample_t *const joint, const sample_counts_t *const counts) {
+    if ((joint == NULL) || (counts == NULL)) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    const int32_t u = ccgen_axis16_missing(&u_axis, counts->u);
-    const int32_t v = ccgen_axis16_missing(&v_axis, counts->v);
+    const int32_t u = ccgen_sensors16_missing(&u_sensors, joint->zero.u, counts->u);
+    const int32_t v = ccgen_sensors16_missing(&v_sensors, joint->zero.v, counts->v);
     return u + v * 256;
 }

@@ -21,6 +21,8 @@ extern "C" {
 #define SAMPLE_SEGMENTS 12
 #define SAMPLE_SENSORS_U 3
 #define SAMPLE_SENSORS_V 3
+#define SAMPLE_SENSORS (SAMPLE_SENSORS_U + SAMPLE_SENSORS_V)
+#define SAMPLE_VALUES (2 * SAMPLE_SEGMENTS)
 #define SAMPLE_PRECISION 16
 #define SAMPLE_FRACTION_BITS_U 18
 #define SAMPLE_FRACTION_BITS_V 18
@@ -44,8 +46,9 @@ typedef struct {
 
 int sample_init(sample_t *joint);
 int sample_capture_zero(sample_t *joint, const sample_counts_t *counts);
+int sample_restore_zero(sample_t *joint, const sample_counts_t *zero);
 int sample_estimate(const sample_t *joint, const sample_counts_t *counts, sample_angles_t *angles);
-int32_t sample_missing(const sample_counts_t *counts);
+int32_t sample_missing(const sample_t *joint, const sample_counts_t *counts);
 
 #ifdef __cplusplus
 }

@@ -11,9 +11,8 @@ const ccgen_layout_t sample_layout = {
     false,            /* extended */
     (SAMPLE_FD != 0), /* fd */
     true,             /* turn */
-    SAMPLE_SENSORS_U, /* sensors_u */
-    SAMPLE_SENSORS_V, /* sensors_v */
-    SAMPLE_SEGMENTS,  /* segments */
+    SAMPLE_SENSORS,   /* sensors */
+    {SAMPLE_SEGMENTS, SAMPLE_SEGMENTS, 0}, /* rows of u, v and h */
     2,                /* count_bytes */
     2,                /* angle_bytes */
     10000u,           /* cycle_us */
@@ -28,14 +27,16 @@ static int estimate(sample_node_t *const node) {
     sample_counts_t counts;
     sample_pose_t pose;
     int16_t tip[3] = {0, 0, 0};
-    (void)ccgen_node_counts16(&sample_layout, &node->node, counts.u, counts.v);
+    (void)ccgen_node_counts16(&node->node, 0, SAMPLE_SENSORS_U, counts.u);
+    (void)ccgen_node_counts16(&node->node, SAMPLE_SENSORS_U, SAMPLE_SENSORS_V, counts.v);
     const int result = sample_estimate(&node->joint, &counts, &node->angles);
     if ((result == CCGEN_OK) && (sample_tip_pose(&node->angles, &pose) == CCGEN_OK)) {
         for (uint8_t k = 0; k < 3u; ++k) {
             tip[k] = ccgen_tip_signal(pose.position[k], SAMPLE_TIP_FRACTION_BITS);
         }
     }
-    return ccgen_node_publish(&sample_layout, &node->node, result, sample_missing(&counts), tip);
+    return ccgen_node_publish(&sample_layout, &node->node, result,
+                              sample_missing(&node->joint, &counts), tip);
 }
 
 int sample_node_init(sample_node_t *const node) {
@@ -62,8 +63,8 @@ int sample_node_transmit(sample_node_t *const node, const uint32_t now_us,
     if (node == NULL) {
         return CCGEN_ERROR_ARGUMENT;
     }
-    return ccgen_node_transmit16(&sample_layout, &node->node, node->angles.u, node->angles.v,
-                                 now_us, frame);
+    const sample_angle_t *const angles[CCGEN_AXES_MAX] = {node->angles.u, node->angles.v, NULL};
+    return ccgen_node_transmit16(&sample_layout, &node->node, angles, now_us, frame);
 }
 
 int sample_node_unsent(sample_node_t *const node) {

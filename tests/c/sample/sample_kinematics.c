@@ -56,7 +56,7 @@ int sample_tip_pose(const sample_angles_t *const angles, sample_pose_t *const po
 
 /** Rigid links hinged at each segment's base: close to the derivative for small angles. */
 int sample_tip_jacobian(const sample_angles_t *const angles,
-                        float jacobian[6][2 * SAMPLE_SEGMENTS]) {
+                        float jacobian[6][SAMPLE_VALUES]) {
     sample_pose_t tip;
     sample_pose_t hinge = base;
     if ((jacobian == NULL) || (sample_tip_pose(angles, &tip) != CCGEN_OK)) {

@@ -18,7 +18,7 @@ typedef struct {
 
 int sample_segment_pose(const sample_angles_t *angles, uint16_t segment, sample_pose_t *pose);
 int sample_tip_pose(const sample_angles_t *angles, sample_pose_t *pose);
-int sample_tip_jacobian(const sample_angles_t *angles, float jacobian[6][2 * SAMPLE_SEGMENTS]);
+int sample_tip_jacobian(const sample_angles_t *angles, float jacobian[6][SAMPLE_VALUES]);
 
 #ifdef __cplusplus
 }

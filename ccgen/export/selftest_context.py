@@ -1,0 +1,71 @@
+"""What the templates know of the self-test: vectors with the right angles, checksums of blocks."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ccgen.can.layout import FrameLayout
+from ccgen.export import vectors
+from ccgen.export.fields import Field, fields_of
+from ccgen.export.model_context import relative_arrays
+from ccgen.fixedpoint import FixedPointModel
+from ccgen.fixedpoint.model import Integers
+from ccgen.joint import Joint
+from ccgen.sensing.counts import counts
+from ccgen.shapes import Shapes
+
+SHAPE_VECTORS = 8
+BLOCKS = 8
+BLOCK_SNAPSHOTS = 64
+
+
+def selftest_context(
+    joint: Joint, model: FixedPointModel, layout: FrameLayout, shapes: Shapes
+) -> dict[str, Any]:
+    """Vectors with the right angles, and checksums of drawn blocks."""
+    blocks = [vectors.block(model, seed, BLOCK_SNAPSHOTS) for seed in range(BLOCKS)]
+    readings = model.readings
+    arrays = {"minimum": readings.minimum, "maximum": readings.maximum}
+    if readings.relative is not None:
+        arrays |= relative_arrays(readings.relative)
+    state = joint.precision // 8 * (2 * readings.sensors + model.values)
+    return {
+        "vectors": _vectors(joint, model, fields_of(joint, layout), shapes),
+        "drawn": {key: values.tolist() for key, values in arrays.items()},
+        "checksums": [
+            vectors.checksum(model.estimate(block.counts, block.zeros)) for block in blocks
+        ],
+        "block_snapshots": BLOCK_SNAPSHOTS,
+        "stack_bytes": 100 * math.ceil((state + 150) / 100),
+    }
+
+
+def _vectors(
+    joint: Joint, model: FixedPointModel, fields: Sequence[Field], shapes: Shapes
+) -> list[dict[str, list[list[int]]]]:
+    rows = _readings(joint, model, shapes)
+    parts = list(model.split(model.estimate(rows)).values())
+    return [
+        {
+            "counts": [row[field.part].tolist() for field in fields],
+            "angles": [part[k].tolist() for part in parts],
+        }
+        for k, row in enumerate(rows)
+    ]
+
+
+def _readings(joint: Joint, model: FixedPointModel, shapes: Shapes) -> Integers:
+    """Readings of shapes, and the corners with the most and the least of everything."""
+    every = slice(None, None, max(1, len(shapes) // SHAPE_VECTORS))
+    u, v, h = (part[every][:SHAPE_VECTORS] for part in (shapes.u, shapes.v, shapes.h))
+    around = [group.around() for group in model.groups]
+    bent = counts(joint, around, Shapes(u, v[::-1], h, ("shapes",) * len(u)))
+    ends = [
+        np.concatenate(
+            [(one.minimum, one.maximum)[(k + upper) % 2] for k, one in enumerate(around)]
+        )
+        for upper in (0, 1)
+    ]
+    return np.concatenate([bent, ends])
