@@ -22,6 +22,8 @@ from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.joint_checks import JointChecks, joint_checks
 from ccgen.fixedpoint.model import FixedPointModel, Floats
+from ccgen.fixedpoint.pose import PoseModel
+from ccgen.fixedpoint.pose_plan import pose_model, pose_task
 from ccgen.fixedpoint.serving import quantise_with_fallbacks
 from ccgen.joint import AXES, Joint, Sensor
 from ccgen.joint.units import unit_doubts
@@ -62,6 +64,15 @@ class Fit(FittedWeights):
             FormatError: no format fits; names the sensor, the key and the remedy.
         """
         return quantise(self.sensed, self.weights, self._held)
+
+    @cached_property
+    def poses(self) -> PoseModel:
+        """Poses in integers, of the angles that `model` has.
+
+        Raises:
+            FormatError: as of `model`, or the angles reach too far for poses of 32 bits.
+        """
+        return pose_model(pose_task(self.sensed, self.model, self._held))
 
     @cached_property
     def guarded(self) -> GuardedModel:

@@ -132,3 +132,59 @@ def _polynomial(first: int, degree: int, square: Any) -> Any:
     for k in reversed(range(degree)):
         total = 1 / math.factorial(2 * k + first) - square * total
     return total
+
+
+def turn_function(degrees: Degrees) -> Any:
+    """`casadi.Function` (frame, u, v) -> (distal, chord) of one segment, made for integers.
+
+    The frame's columns are X, Y, Z; the chord q is that of unit arc length. What is small beside
+    what it is added to is computed apart, so that few bits of it suffice:
+
+        q = Z + n / 2 - (phi^2 c Z + phi^2 d n)     Z' = Z + n - (phi^2 c n + (1 - cos(phi)) Z)
+
+    All coefficients are quotients of whole numbers.
+    """
+    import casadi
+
+    frame = casadi.SX.sym("frame", 3, 3)
+    u, v = casadi.SX.sym("u"), casadi.SX.sym("v")
+    x, y, z = casadi.horzsplit(frame)
+    square = u * u + v * v
+    less_a = _quotients(3, degrees.c, square)
+    less_b = _quotients(4, degrees.d, square)
+    less_cosine = square / 2 - square * less_b
+    n = v * x - u * y
+    q = z + n / 2 - (less_a * z + less_b * n)
+    distal = casadi.horzcat(x - v * q, y + u * q, z + n - (less_a * n + less_cosine * z))
+    return casadi.Function(
+        "turn", [frame, u, v], [distal, q], ["frame", "u", "v"], ["distal", "chord"]
+    )
+
+
+def _quotients(first: int, degree: int, square: Any) -> Any:
+    """The square times `_polynomial`, by Horner's rule with divisions by whole numbers alone."""
+    total: Any = 1
+    for k in reversed(range(1, degree + 1)):
+        total = 1 - square * total / ((2 * k + first) * (2 * k + first - 1))
+    return square * total / math.factorial(first)
+
+
+def place_function(segment_length: float, sections: int, elongates: bool) -> Any:
+    """`casadi.Function` (sums[, h]) -> position, from the chords of each section added up.
+
+    Args:
+        segment_length: without elongation, metres.
+        sections: number of sections, columns of `sums`.
+        elongates: whether there is an `h`, the elongation of each section.
+    """
+    import casadi
+
+    sums, h = casadi.SX.sym("sums", 3, sections), casadi.SX.sym("h", sections)
+    columns = casadi.horzsplit(sums)
+    if elongates:
+        columns = [column + column * h[s] for s, column in enumerate(columns)]
+    total = columns[0]
+    for column in columns[1:]:
+        total = total + column
+    inputs, names = ([sums, h], ["sums", "h"]) if elongates else ([sums], ["sums"])
+    return casadi.Function("place", inputs, [segment_length * total], names, ["position"])

@@ -44,7 +44,7 @@ def c_files(name: str, functions: Sequence[Compiled]) -> dict[str, str]:
     values = {
         "name": name,
         "version": __version__,
-        "functions": [_context(function) for function in functions],
+        "functions": [c_context(function) for function in functions],
     }
     return {
         f"{name}.{ending}": resources.template(f"polynomial.{ending}.j2").render(values)
@@ -74,7 +74,8 @@ def _local(name: str) -> bool:
     return re.fullmatch(r"t\d+|.*_\d+", name) is not None
 
 
-def _context(function: Compiled) -> dict[str, Any]:
+def c_context(function: Compiled) -> dict[str, Any]:
+    """What the templates know of a compiled function."""
     writer = _Writer(function)
     writer.write()
     integers = function.proof.integers
@@ -115,7 +116,10 @@ def _parameter(row: Sequence[Variable], qualifier: str) -> str:
 
 def _said(row: Sequence[Variable]) -> str:
     low, high = min(one.low for one in row), max(one.high for one in row)
-    return f"{row[0].name}: Q{row[0].fraction_bits}, {_ends((low, high), row[0].fraction_bits)}"
+    held = ", kept by the caller" if row[0].held else ""
+    return (
+        f"{row[0].name}: Q{row[0].fraction_bits}, {_ends((low, high), row[0].fraction_bits)}{held}"
+    )
 
 
 def _ends(ends: Ends, fraction_bits: int) -> str:
@@ -161,7 +165,7 @@ class _Writer:
         else:
             name = f"{name}_0"
         limit = 1 << (variable.bits - 1)
-        if (variable.low, variable.high) != (-limit, limit - 1):
+        if not variable.held and (variable.low, variable.high) != (-limit, limit - 1):
             low, high = (_bare(_literal(end)) for end in (variable.low, variable.high))
             source = f"ccgen_limit32({source}, {low}, {high})"
         self.loads.append(f"const int32_t {name} = {source};")

@@ -1,5 +1,6 @@
 """Compiles a CasADi function into a plan of integer operations with a proven error."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -19,7 +20,9 @@ _SPARE = range(1, 36)
 """Bits beyond those that would make each rounding alone as large as the wanted error."""
 
 _PATIENCE = 4
-"""Plans in a row that are no better until more bits are given up."""
+"""Plans in a row that are hardly better until more bits are given up,"""
+_CLEARLY = 0.9
+"""and what a clearly better one has of the error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,16 +79,18 @@ def compile_function(
     check_outputs(function, outputs)
     graph = read_graph(function)
     best: Compiled | None = None
+    least = math.inf
     for most in (1, PIECES):  # most functions need no more than one, which is much quicker
         task, worse = Task.of(graph, variables, outputs, most), 0
         for spare in _SPARE:
             found = task.planned(spare)
             compiled = found and Compiled(function.name(), *found)
+            excess = float(compiled.excess(outputs)) if compiled else math.inf
             if compiled and compiled.excess(outputs) <= 1:
                 return replace(compiled, proof=prove(compiled.plan))
-            if compiled and (best is None or compiled.excess(outputs) < best.excess(outputs)):
-                best, worse = compiled, 0
-            worse += compiled is not None
+            worse = 0 if excess < _CLEARLY * least else worse + 1
+            if excess < least:
+                best, least = compiled, excess
             if worse > _PATIENCE:
                 break
     raise FormatError(_refusal(function.name(), outputs, best))

@@ -84,7 +84,7 @@ def power_of_two(exponent: int) -> Fraction:
 
 
 def _floor(value: Fraction | int) -> int:
-    return (Fraction(value) * (1 << POINT)).__floor__()
+    return (value.numerator << POINT) // value.denominator
 
 
 ZERO = Interval(0, 0)

@@ -22,6 +22,7 @@ rounding, which the proof adds up.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import TypeVar
 
 from ccgen.polynomial.enclosures import Enclosure, Ends
@@ -70,6 +71,7 @@ class Step:
             return operands[0] * operands[1]
         return operands[0]
 
+    @cached_property
     def rounding(self) -> Interval:
         """What the step's integer stands for, less what it should from its operands."""
         unit = power_of_two(-self.fraction_bits)

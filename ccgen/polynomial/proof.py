@@ -155,7 +155,7 @@ class _Piece:
             if slope is None:
                 continue
             step = steps[number]
-            total += slope * step.rounding()
+            total += slope * step.rounding
             for operand, factor in zip(step.operands, self._factors(step), strict=True):
                 slopes[operand] = slopes.get(operand, ZERO) + slope * factor
         return total.within(self.off[output])
@@ -182,7 +182,7 @@ def forward_error(step: Step, meant: Sequence[Interval], off: Sequence[Interval]
 
     Roundings count from nothing to their own, so that 0 always lies within.
     """
-    own = step.rounding()
+    own = step.rounding
     own = Interval(min(own.low, 0), max(own.high, 0))
     if step.kind in PRODUCTS:
         (a, b), (da, db) = ([table[k] for k in step.operands] for table in (meant, off))

@@ -23,11 +23,13 @@ class Input:
         range: lowest and highest value, of all its elements or a pair for each.
         fraction_bits: of its Q format.
         bits: of its integers, 16 or 32.
+        held: whether the C's caller keeps it in range, so that the C need not.
     """
 
     range: tuple[float, float] | Sequence[tuple[float, float]]
     fraction_bits: int
     bits: int = 16
+    held: bool = False
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,7 @@ class Variable:
         fraction_bits: of its Q format.
         low: least integer.
         high: greatest integer.
+        held: of an input, as in `Input`.
     """
 
     name: str
@@ -64,6 +67,7 @@ class Variable:
     fraction_bits: int
     low: int
     high: int
+    held: bool = False
 
 
 def input_variables(function: Any, inputs: Mapping[str, Input]) -> list[Variable]:
@@ -123,27 +127,26 @@ def _input_variable(
     name: str, element: int | None, stated: Input, pair: tuple[float, float]
 ) -> Variable:
     _check_format("inputs", name, stated.bits, stated.fraction_bits)
-    low, high = pair
-    if not (math.isfinite(low) and math.isfinite(high) and low <= high):
+    first, last = pair
+    if not (math.isfinite(first) and math.isfinite(last) and first <= last):
         raise ArgumentError(
-            f"the range of {name} is {low:g} to {high:g}; a lower and an upper end", "inputs"
+            f"the range of {name} is {first:g} to {last:g}; a lower and an upper end", "inputs"
         )
     least, greatest = (math.ldexp(end, stated.fraction_bits) for end in pair)
     limit = 2 ** (stated.bits - 1)
     if math.ceil(least) < -limit or math.floor(greatest) >= limit:
         raise ArgumentError(
-            f"{low:g} to {high:g} of {name} does not fit {stated.bits} bits with "
+            f"{first:g} to {last:g} of {name} does not fit {stated.bits} bits with "
             f"{stated.fraction_bits} behind the point; use {_most(pair, limit)} or fewer",
             "inputs",
         )
     if math.ceil(least) > math.floor(greatest):
         raise ArgumentError(
-            f"no number of {name}'s format lies from {low:g} to {high:g}; use more fraction bits",
+            f"no number of {name}'s format lies from {first:g} to {last:g}; use more fraction bits",
             "inputs",
         )
-    return Variable(
-        name, element, stated.bits, stated.fraction_bits, math.ceil(least), math.floor(greatest)
-    )
+    low, high = math.ceil(least), math.floor(greatest)
+    return Variable(name, element, stated.bits, stated.fraction_bits, low, high, stated.held)
 
 
 def _most(pair: tuple[float, float], limit: int) -> int:
