@@ -231,3 +231,32 @@ def test_weights_fitted_to_the_cases_that_would_do_better_are_said(tmp_path):
     mixed = cases[np.random.default_rng(0).permutation(len(cases))]
     fitted = ccgen.fit(recorded(tmp_path, {"run.csv": angle_columns(mixed, mixed)}, count=2))
     assert not any(remedy in warning for warning in fitted.warnings)
+
+
+@pytest.mark.parametrize("tables", ["", "[shapes]\nweight = { cases = 0.5 }"])
+def test_counts_of_the_straight_joint_tell_zeros_and_no_shape(tmp_path, tables):
+    u, v = bends(0), bends(1)
+    run = {"run.csv": angle_columns(u, v)}
+    names = [f"count_{axis}{j}" for axis in "uv" for j in range(3)]
+    counts = {name: np.full(60, 7.0 + j) for j, name in enumerate(names)}
+    (tmp_path / "rest.csv").write_text(table({"t": np.arange(60) / 50} | counts))
+    rest = '[[recordings]]\nfile = "rest.csv"\nstraight = [0.0, 1.0]'
+    alone = ccgen.fit(recorded(tmp_path, run, tables))
+    both = ccgen.fit(recorded(tmp_path, run, f"{tables}\n{rest}"))
+    for axis in "uv":
+        np.testing.assert_array_equal(both.weights[axis].matrix, alone.weights[axis].matrix)
+    assert [sensor.zero for sensor in both.sensors] == [7, 8, 9, 10, 11, 12]
+    assert not [text for text in both.warnings if "too few" in text and "rest.csv" in text]
+
+
+def test_the_straight_joint_alone_leaves_weights_to_the_cases(tmp_path):
+    names = [f"count_{axis}{j}" for axis in "uv" for j in range(3)]
+    (tmp_path / "rest.csv").write_text(
+        table({"t": np.arange(60) / 50} | dict.fromkeys(names, np.full(60, 5.0)))
+    )
+    rest = '[[recordings]]\nfile = "rest.csv"\nstraight = [0.0, 1.0]'
+    fitted = ccgen.fit(recorded(tmp_path, {}, rest))
+    assert [sensor.zero for sensor in fitted.sensors] == [5] * 6
+    assert {sensor.gain_tolerance for sensor in fitted.sensors} == {0.0}
+    cases = ccgen.fit(recorded(tmp_path, {}))
+    np.testing.assert_allclose(fitted.weights["u"].matrix, cases.weights["u"].matrix, atol=1e-6)

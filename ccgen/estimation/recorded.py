@@ -44,8 +44,13 @@ class Recorded:
 
     @property
     def fitted(self) -> list["Reference"]:
-        """Those that weights are fitted to."""
+        """Those that are there to fit to, which tell of the sensors."""
         return [one for one in self.references if one.use == "fit"]
+
+    @property
+    def shaped(self) -> list["Reference"]:
+        """Those of them that weights are fitted to: the straight joint alone is no shape."""
+        return [one for one in self.fitted if np.nan_to_num(one.state).any()]
 
     @cached_property
     def joint(self) -> "Joint":
@@ -56,8 +61,11 @@ class Recorded:
         zeros = np.array([_known(one.zero) for one in counted])
         first = counted[0]
         found = first.gain, first.gain_std, first.noise
+        unknown = np.full(len(self.stated.sensors), np.nan)
         if self.stated.calibration is not None:
-            found = (np.full(len(self.stated.sensors), np.nan),) * 3
+            found = (unknown,) * 3
+        elif not any(one.lengths is not None for one in self.shaped):
+            found = unknown, unknown, first.noise
         told = zip(self.stated.sensors, _mean(zeros), *map(_known, found), strict=True)
         return replace(self.stated, sensors=tuple(_told(*one) for one in told))
 
@@ -119,8 +127,8 @@ class Recorded:
 
     def sources(self, without: int | None = None) -> list[Source]:
         """Those to fit to, with the weight that recordings have, shared evenly by them."""
-        share = source_weights(self.stated, True)["recordings"] / max(1, len(self.fitted))
-        return [self.source(one, share, without) for one in self.fitted]
+        share = source_weights(self.stated, True)["recordings"] / max(1, len(self.shaped))
+        return [self.source(one, share, without) for one in self.shaped]
 
 
 def recorded(

@@ -225,7 +225,7 @@ def _fit_recorded(joint: Joint, method: str, report: Report) -> Fit:
     recordings = read_recordings(joint)
     found = recorded(joint, recordings)
     report("recordings", len(recordings), len(recordings))
-    simulated = simulated_sources(joint, bool(found.fitted))
+    simulated = simulated_sources(joint, bool(found.shaped))
     sources = [*simulated, *found.sources()]
     _check_moved(joint, sources, False)
     task = Task(found.joint, sources)

@@ -182,7 +182,7 @@ def _judges(joint: "Joint", objective: str) -> "tuple[Joint, list[Source] | None
     from ccgen.recordings.reading import read_recordings
 
     found = recorded(joint, read_recordings(joint))
-    sources = [*simulated_sources(joint, bool(found.fitted)), *found.sources()]
+    sources = [*simulated_sources(joint, bool(found.shaped)), *found.sources()]
     noise = stated_noise(found.joint)
     if stated_noise(joint) is None and noise is not None:
         usual = float(np.sqrt(np.mean(np.square(noise))))
