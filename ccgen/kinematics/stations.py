@@ -93,16 +93,17 @@ def seen_from_base(states: Floats, where: Places) -> Seen:
     place = np.zeros((N, B, 3))
     rotation = np.broadcast_to(np.eye(3), (N, B, 3, 3)).copy()
     linear, angular = np.zeros((N, B, 3, p)), np.zeros((N, B, 3, p))
+    # With d = linear + angular x (place - end) of each piece, what does not depend on the place
+    # is summed once.
+    fixed = _Sums.of(pieces.linear + skew(pieces.position) @ pieces.angular, where, segment)
+    turned = _Sums.of(pieces.angular, where, segment)
     for b, end in enumerate(where.end):
         if end == 0:
             continue
         place[:, b] = pieces.position[:, end - 1]
         rotation[:, b] = pieces.rotation[:, end - 1]
-        lever = place[:, b, None] - pieces.position[:, :end]
-        turned = pieces.angular[:, :end]
-        moved = pieces.linear[:, :end] - skew(lever) @ turned
-        _add(linear[:, b], moved, where, segment[:end])
-        _add(angular[:, b], turned, where, segment[:end])
+        angular[:, b] = turned.until(end)
+        linear[:, b] = fixed.until(end) - skew(place[:, b]) @ angular[:, b]
     return Seen(place, rotation, linear, angular)
 
 
@@ -150,16 +151,38 @@ def _about_z(angle: Floats) -> Floats:
     return matrix
 
 
-def _add(by_state: Floats, velocities: Floats, where: Places, segment: Indices) -> None:
-    """Add velocities by piece, shape (N, K, 3, 4), to derivatives by state, shape (N, 3, p)."""
-    m = sum(where.sections)
-    sections = np.repeat(np.arange(len(where.sections)), where.sections)
-    first = np.flatnonzero(np.diff(segment, prepend=-1))
-    bends = np.add.reduceat(velocities[..., :2], first, axis=1)
-    count = bends.shape[1]
-    by_state[..., :count] = np.moveaxis(bends[..., 0], 1, 2)
-    by_state[..., m : m + count] = np.moveaxis(bends[..., 1], 1, 2)
-    first = np.flatnonzero(np.diff(sections[segment], prepend=-1))
-    grown = np.add.reduceat(velocities[..., 2], first, axis=1)
-    by_state[..., 2 * m : 2 * m + len(first)] = np.moveaxis(grown, 1, 2)
-    by_state[..., -1] = velocities[..., 3].sum(axis=1)
+@dataclass(frozen=True, eq=False)
+class _Sums:
+    """Velocities of pieces summed by what each is part of, up to any piece."""
+
+    by_piece: Floats  # (N, K, 3, 4): of u, v, elongation, twist
+    by_segment: Floats  # (N, 3, 2, m)
+    running: Floats  # (N, K, 3, 2), of elongation and twist from the base on
+    where: Places
+    segment: Indices
+
+    @classmethod
+    def of(cls, velocities: Floats, where: Places, segment: Indices) -> "_Sums":
+        first = np.flatnonzero(np.diff(segment, prepend=-1))
+        bends = np.add.reduceat(velocities[..., :2], first, axis=1)
+        running = np.cumsum(velocities[..., 2:], axis=1)
+        return cls(velocities, np.moveaxis(bends, 1, -1), running, where, segment)
+
+    def until(self, end: int) -> Floats:
+        """By state, from the base to the end of piece `end` - 1, shape (N, 3, p)."""
+        sections = self.where.sections
+        m, last = sum(sections), int(self.segment[end - 1])
+        first = int(np.searchsorted(self.segment, last))
+        whole = np.zeros((len(self.by_piece), 3, 2 * m + len(sections) + 1))
+        part = self.by_piece[:, first:end, :, :2].sum(axis=1)
+        for axis in (0, 1):
+            whole[..., axis * m : axis * m + last] = self.by_segment[:, :, axis, :last]
+            whole[..., axis * m + last] = part[..., axis]
+        before = np.zeros_like(whole[..., 0])
+        for s, border in enumerate(np.cumsum(sections)):
+            stop = min(end, int(np.searchsorted(self.segment, border)))
+            total = self.running[:, stop - 1, :, 0]
+            whole[..., 2 * m + s] = total - before
+            before = total
+        whole[..., -1] = self.running[:, end - 1, :, 1]
+        return whole

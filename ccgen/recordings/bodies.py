@@ -7,12 +7,15 @@ covariance. What is shared is learned from some of the rows; shapes come of all 
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.recordings.frames import mounted, sighted
+from ccgen.joint.specification import Geometry
+from ccgen.recordings.fine import Fine, fine
+from ccgen.recordings.frames import mean_frame, mounted, sighted
 from ccgen.recordings.gains import Calibration, Sensed, borrowed, stretch_zero
 from ccgen.recordings.learning import independent_rows, shapes
 from ccgen.recordings.lengths import expected_changes, read_lengths
@@ -23,7 +26,7 @@ from ccgen.recordings.recording import Recording
 from ccgen.recordings.reference import Reference, learned_rows
 from ccgen.recordings.refined import refined, unstated
 from ccgen.recordings.sensors import RecordedSensors, recorded_sensors
-from ccgen.recordings.sights import Frame, Sights, evidence, outliers
+from ccgen.recordings.sights import CLOSER, FAR, NEAR, Frame, Sights, evidence, outliers
 from ccgen.recordings.stations import Sighting
 
 if TYPE_CHECKING:
@@ -31,6 +34,10 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+_APPROACH = ((FAR, 4), (CLOSER, 1), (NEAR, 2))
+"""How often shapes are sought anew from the straight joint on, by how well they are known."""
+_MANY = 8
+"""Bodies that tell how smooth a shape is."""
 _FRAME_ROWS = 400
 """From which a frame is found."""
 
@@ -46,12 +53,14 @@ def body_references(
     Args:
         common: what other recordings of the joint told of its sensors.
     """
+    cut = fine(joint.geometry)
     sensors = recorded_sensors(joint)
-    model = joint_model(joint)
+    sensors = replace(sensors, matrix=sensors.matrix @ cut.gather)
+    model = joint_model(cut.geometry, joint.loads, _rough(recordings))
     telling: dict[int, Part] = {}
     for i, recording in enumerate(recordings):
         if recording.file.use == "fit":
-            telling[i] = _part(joint, recording, model, sensors, without_block)
+            telling[i] = _part(cut.geometry, recording, model, sensors, without_block)
     shared, settled = pooled(joint, list(telling.values()), model, sensors, common)
     telling = dict(zip(telling, settled, strict=True))
     made = []
@@ -59,15 +68,22 @@ def body_references(
         if i in telling:
             group = list(telling).index(i)
             sensed = None if shared.calibration is None else shared.calibration.of(group)
-            made.append(_reference(telling[i], shared, sensed, sensors))
+            made.append(_reference(telling[i], shared, sensed, sensors, cut))
         else:
-            part = _part(joint, recording, model, sensors, None, settled)
-            made.append(_reference(part, shared, _borrowed(part, shared, common, sensors), sensors))
+            part = _part(cut.geometry, recording, model, sensors, None, settled)
+            sensed = _borrowed(part, shared, common, sensors)
+            made.append(_reference(part, shared, sensed, sensors, cut))
     return tuple(made)
 
 
+def _rough(recordings: Sequence[Recording]) -> bool:
+    """Whether shapes may be rough: with many bodies, or with no readings that show it otherwise."""
+    bodies = [sum(body.station is not None for body in r.bodies) for r in recordings]
+    return max(bodies, default=0) >= _MANY or all(r.counts is None for r in recordings)
+
+
 def _part(
-    joint: "Joint",
+    geometry: Geometry,
     recording: Recording,
     model: Model,
     sensors: RecordedSensors,
@@ -79,13 +95,13 @@ def _part(
     Args:
         others: recordings to fit to, from which one to score with takes what is fixed to bodies.
     """
-    sights, frame, spread = sighted(recording, joint.geometry)
+    sights, frame, spread = sighted(recording, geometry)
     allowed = learned_rows(recording, without_block)
     seen = np.flatnonzero(allowed & sights.seen)
     share = _independent(sights.position[seen].reshape(len(seen), -1)) / max(len(seen), 1)
     alike = [o for o in others if o.sights.names == sights.names and not o.spread.certain]
     if alike and not spread.certain:
-        frame = alike[0].frame
+        frame = mean_frame([other.frame for other in alike])
         sights = alike[0].sights.noise_of(sights)
     else:
         some = sights.rows(seen[:: max(1, len(seen) // _FRAME_ROWS)])
@@ -123,9 +139,11 @@ def _by_bodies(sights: Sights, frame: Frame, model: Model, at: Parameters) -> Fl
         none, none, np.zeros((1, 0)), np.zeros((1, 0)), none,
     )  # fmt: skip
     at = replace(at, gain=none, zero=np.zeros((1, 0)))
-    far = replace(sights, near=False)
-    state = shapes(lambda x: evidence(far, frame, x), model, nothing, at, np.zeros((N, p))).state
-    return shapes(lambda x: evidence(sights, frame, x), model, nothing, at, state).state
+    state = np.zeros((N, p))
+    for nearness, turns in _APPROACH:
+        sight = partial(evidence, replace(sights, nearness=nearness), frame)
+        state = shapes(sight, model, nothing, at, state, turns).state
+    return state
 
 
 def _borrowed(
@@ -143,7 +161,7 @@ def _borrowed(
 
 
 def _reference(
-    part: Part, shared: Shared, sensed: Sensed | None, sensors: RecordedSensors
+    part: Part, shared: Shared, sensed: Sensed | None, sensors: RecordedSensors, cut: Fine
 ) -> Reference:
     recording, read = part.recording, part.read
     known = None if read is None else sensed
@@ -153,9 +171,9 @@ def _reference(
         use=recording.file.use,
         t=recording.t,
         dense=False,
-        state=posterior.state[:, :-1],
-        covariance=posterior.covariance[:, :-1, :-1],
-        second_moment=shared.second_moment[:-1, :-1],
+        state=posterior.state[:, :-1] @ cut.gather.T,
+        covariance=cut.gather @ posterior.covariance[:, :-1, :-1] @ cut.gather.T,
+        second_moment=cut.gather @ shared.second_moment[:-1, :-1] @ cut.gather.T,
         lengths=None if read is None else read.lengths,
         gain=None if known is None else known.gain,
         gain_std=None if known is None else known.gain_std,
@@ -165,7 +183,9 @@ def _reference(
         delay_s=0.0 if read is None else read.delay.seconds,
         delay_std_s=0.0 if read is None else read.delay.std,
         notes=recording.notes + _said(part, posterior),
-        sighting=Sighting(part.sights, part.frame, posterior.state, posterior.covariance),
+        sighting=Sighting(
+            part.sights, part.frame, posterior.state, posterior.covariance, cut.coarse
+        ),
     )
 
 

@@ -7,6 +7,7 @@ fixes the axes, and every body's offset from its station. Without such a stretch
 where it should be, and the whole recording tells how near (`ccgen.recordings.refined`).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,7 +28,7 @@ BASE = "base"
 
 _FREE = 1.0
 """Standard deviation, radians, of a rotation of which nothing is known."""
-_MOUNTED = 0.03
+_MOUNTED = 0.02
 """Of the tilt of a body on its station, radians, unless a straight stretch tells it."""
 _TURNED = 0.3
 """Of the base's rotation about its axis, radians, where sensors tell which way they lie."""
@@ -37,6 +38,9 @@ _CENTRE = 0.01
 """Of a body's centre from its station, share of the length, where orientations tell of it."""
 _WITHIN = 0.05
 """Of the range of motion: curvature that is not constant within a segment."""
+_UNSETTLED = 2e-3
+"""Share of the length by which bodies are off, at least, where their noise is not stated and no
+straight stretch shows how they are mounted."""
 _RESTING = np.radians(0.5)
 """Orientations of the base that differ by less are one."""
 
@@ -112,7 +116,11 @@ def sighted(recording: Recording, geometry: Geometry) -> tuple[Sights, Frame, Sp
         stated_noise=(own, file.orientation_noise or 0.0),
     )
     if file.straight is None:
-        return sights, _guessed(sights), _unsettled(sights, base.kind, geometry.length)
+        spread = _unsettled(sights, base.kind, geometry.length)
+        if not spread.certain and file.position_noise is None:
+            least = _UNSETTLED * geometry.length
+            sights = replace(sights, position_noise=max(sights.position_noise, least))
+        return sights, _guessed(sights), spread
     rows = recording.within(file.straight)
     check_rest(
         recording.source, file.straight, np.zeros((2, 1)), list(_moved(sights, rows)), geometry
@@ -200,6 +208,17 @@ def _body(body: Body, others: list[Body]) -> _Base:
 
 def _mean(positions: Floats) -> Floats:
     return np.asarray(np.nanmean(positions, axis=0))
+
+
+def mean_frame(frames: Sequence[Frame]) -> Frame:
+    """What several recordings of the same bodies found, each as good as the other."""
+    tangent = np.mean([frame.tangent for frame in frames], axis=0)
+    return Frame(
+        mean_rotation(np.stack([frame.rotation for frame in frames])),
+        np.mean([frame.origin for frame in frames], axis=0),
+        np.mean([frame.offset for frame in frames], axis=0),
+        tangent / np.linalg.norm(tangent, axis=1, keepdims=True),
+    )
 
 
 def _nearest_axes(way: Floats) -> Floats:

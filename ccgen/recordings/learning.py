@@ -29,6 +29,9 @@ _SETTLED = 1e-7
 """Share of what a round gains below which a step ends it."""
 _FLAT = 1e-2
 """Slope by a parameter, in standard deviations of its prior, that counts as none."""
+_FARTHEST = 6.0
+"""Standard deviations of their priors within which parameters are sought."""
+_NOWHERE = 1e30
 _FREEDOM = 4.0
 """Degrees of freedom of Student's distribution: outliers of more than two deviations count less."""
 _NORMAL = 0.8310
@@ -37,7 +40,7 @@ _NOISE_TURNS = 4
 """Times that trust and noise follow each other after each round."""
 _SETTLING = (4, 2, 2)
 """Times that shapes and trust follow each other before each round."""
-_SHAPES = 4
+_SHAPES = 3
 """Times that shapes and trust follow each other under parameters that are known."""
 _PRIOR_ROWS = 2.0
 """Independent rows for which uncorrelated modes count in the second moment."""
@@ -117,7 +120,14 @@ def learn(sight: Sight, model: Model, seen: Lengths, independent: float, start: 
     )
 
 
-def shapes(sight: Sight, model: Model, seen: Lengths, at: Parameters, start: Floats) -> Posterior:
+def shapes(
+    sight: Sight,
+    model: Model,
+    seen: Lengths,
+    at: Parameters,
+    start: Floats,
+    turns: int = _SHAPES,
+) -> Posterior:
     """Most probable shapes of rows under what was learned of their joint.
 
     Args:
@@ -126,9 +136,10 @@ def shapes(sight: Sight, model: Model, seen: Lengths, at: Parameters, start: Flo
         seen: the readings; their noise is the one that was learned.
         at: what was learned; its zeros are those of the groups of `seen`.
         start: states to begin with, shape (N, p).
+        turns: times that shapes and trust follow each other.
     """
     posterior = Posterior(start, np.zeros((*start.shape, start.shape[1])))
-    for _ in range(_SHAPES):
+    for _ in range(turns):
         weight = _weight(seen, at, posterior, seen.noise)
         posterior = Likelihood(model, seen, sight(posterior.state), weight, 1.0).posterior_at(at)
     return posterior
@@ -142,11 +153,17 @@ def _descended(likelihood: Likelihood, theta: Floats) -> Floats:
     start, _ = likelihood.value_and_gradient(theta)
 
     def gained(at: Floats) -> tuple[float, Floats]:
-        value, gradient = likelihood.value_and_gradient(at)
+        try:
+            value, gradient = likelihood.value_and_gradient(at)
+        except np.linalg.LinAlgError:  # so far away that rounding leaves nothing of the prior
+            return _NOWHERE, at
         return value - start, gradient
 
+    bounds = [(-_FARTHEST, _FARTHEST)] * len(theta)
     options = {"maxiter": _STEPS, "ftol": _SETTLED, "gtol": _FLAT}
-    found: Floats = minimize(gained, theta, jac=True, method="L-BFGS-B", options=options).x
+    found: Floats = minimize(
+        gained, theta, jac=True, method="L-BFGS-B", bounds=bounds, options=options
+    ).x
     return found
 
 

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from ccgen.joint import Joint
+    from ccgen.joint.loads import LoadRanges
+    from ccgen.joint.specification import Geometry
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -35,6 +36,12 @@ _USUAL = 0.4
 """Root mean square of a segment's bend, share of the range of motion."""
 _TWIST = 0.05
 """Standard deviation of the twist, share of the largest bend of the whole joint."""
+_ROUGH = 0.4
+"""Root mean square of what else a segment may bend, share of its usual bend."""
+_STIFF = 0.1
+"""Share of the usual twist where no sensors tell it from rough bends."""
+_CLAMP = 5.0
+"""Of a bend right at the base, where what holds a joint gives way, share of the usual bend."""
 _CONTACTS = 64
 
 
@@ -69,6 +76,7 @@ def smooth_model(
     elongation: float,
     profile: Floats | None = None,
     tolerance: float = 0.0,
+    rough: bool = False,
 ) -> Model:
     """Shapes of a joint under moments that nobody has measured yet.
 
@@ -78,6 +86,8 @@ def smooth_model(
         elongation: largest share of the length by which a section grows; 0 for none.
         profile: compliance of each segment where it is known, shape (m,).
         tolerance: standard deviation of the logarithm of compliance, at least.
+        rough: whether segments may also bend in every other way, by so little at first that
+            recordings have to ask for it.
 
     Returns:
         Of states u, v (m each), h (S) and the twist of the whole joint.
@@ -86,39 +96,61 @@ def smooth_model(
     modes = _modes(sections) * (_USUAL * range_of_motion)
     known = np.ones(m) if profile is None else profile / profile.mean()
     modes = known[:, None] * modes
-    k = modes.shape[1]
+    number = np.arange(modes.shape[1])
+    if rough:
+        usual = _USUAL * range_of_motion
+        clamp = np.eye(m)[:, :1] * (_CLAMP * usual)
+        others = _others(modes) * (_ROUGH * usual)
+        number = np.append(number, [len(number), *np.full(others.shape[1], len(number) + 1)])
+        modes = np.concatenate([modes, clamp, others], axis=1)
+    k, sizes = modes.shape[1], int(number.max()) + 1
     stretch = count if elongation else 0
     basis = np.zeros((2 * m + count + 1, 2 * k + stretch + 1))
     basis[:m, :k] = modes
     basis[m : 2 * m, k : 2 * k] = modes
     basis[2 * m : -1, 2 * k : -1] = np.eye(count)[:, :stretch] * abs(elongation) / np.sqrt(3.0)
-    basis[-1, -1] = _TWIST * m * range_of_motion
+    basis[-1, -1] = (_STIFF if rough else 1.0) * _TWIST * m * range_of_motion
     spread = np.full(m, max(_SPREAD, tolerance))
     ends = max(1, round(_END * m))
     spread[:ends] = spread[m - ends :] = max(_END_SPREAD, tolerance)
     segments = np.arange(m)
-    sizes = np.arange(k)
     return Model(
         basis,
         np.concatenate([segments, segments, np.full(count + 1, -1)]),
         spread,
-        np.concatenate([sizes, sizes, np.full(stretch, k), [k + (stretch > 0)]]),
-        k + (stretch > 0) + 1,
+        np.concatenate([number, number, np.full(stretch, sizes), [sizes + (stretch > 0)]]),
+        sizes + (stretch > 0) + 1,
     )
 
 
-def joint_model(joint: "Joint") -> Model:
-    """How shapes of the joint come about, before anything is recorded."""
-    geometry, loads = joint.geometry, joint.loads
+def joint_model(geometry: "Geometry", loads: "LoadRanges | None", rough: bool) -> Model:
+    """How shapes of a joint come about, before anything is recorded.
+
+    Args:
+        geometry: of the joint.
+        loads: of which the stiffness counts; None where they are not stated.
+        rough: as of `smooth_model`.
+    """
     reach = 0.0 if geometry.elongation is None else float(np.abs(geometry.elongation).max())
-    if loads is None or len(loads.stiffness_profile) == 1:
-        return smooth_model(geometry.sections, geometry.range_of_motion, reach)
-    points = (np.arange(64 * geometry.segments) + 0.5) / (64 * geometry.segments)
-    stiffness = np.array(loads.stiffness_profile)
-    at = (points * len(stiffness)).astype(np.intp)
-    profile = (1 / stiffness)[at].reshape(geometry.segments, 64).mean(axis=1)
-    tolerance = loads.stiffness_tolerance
-    return smooth_model(geometry.sections, geometry.range_of_motion, reach, profile, tolerance)
+    profile, tolerance = None, 0.0
+    if loads is not None and len(loads.stiffness_profile) > 1:
+        points = (np.arange(64 * geometry.segments) + 0.5) / (64 * geometry.segments)
+        compliance = 1 / np.array(loads.stiffness_profile)
+        at = (points * len(compliance)).astype(np.intp)
+        profile = compliance[at].reshape(geometry.segments, 64).mean(axis=1)
+        tolerance = loads.stiffness_tolerance
+    return smooth_model(
+        geometry.sections, geometry.range_of_motion, reach, profile, tolerance, rough
+    )
+
+
+def fixed_model(covariance: Floats) -> Model:
+    """Shapes of a covariance of their states, shape (p, p), of which nothing is left to learn."""
+    values, vectors = np.linalg.eigh(covariance)
+    kept = values > values.max() * 1e-12
+    basis = vectors[:, kept] * np.sqrt(values[kept])
+    none = np.full(len(basis), -1)
+    return Model(basis, none, np.zeros(0), np.full(basis.shape[1], -1), 0)
 
 
 def free_model(states: Floats) -> Model:
@@ -152,6 +184,15 @@ def _modes(sections: Sequence[int]) -> Floats:
     count = min(m, _MODES + 2 * (len(sections) - 1))
     modes = (vectors * np.sqrt(np.maximum(values, 0.0)))[:, ::-1][:, :count]
     return np.asarray(modes / np.sqrt(np.square(modes).sum() / m))
+
+
+def _others(modes: Floats) -> Floats:
+    """What modes of shape (m, k) leave out, smooth first and larger, shape (m, m - k)."""
+    m, k = modes.shape
+    kept, _ = np.linalg.qr(modes)
+    waves = np.cos(np.pi * np.outer(np.arange(m) + 0.5, np.arange(m)) / m)
+    left, _ = np.linalg.qr(np.concatenate([kept, waves[:, k:]], axis=1))
+    return np.asarray(left[:, k:m] * (k / np.arange(k, m)))
 
 
 def _moments(segments: int) -> Floats:

@@ -17,7 +17,7 @@ from ccgen.recordings.gains import ZERO_STD, Calibration, stretch_zero
 from ccgen.recordings.learning import Learned, learn
 from ccgen.recordings.lengths import Read
 from ccgen.recordings.likelihood import Evidence, Lengths, Parameters
-from ccgen.recordings.modes import Model
+from ccgen.recordings.modes import Model, fixed_model
 from ccgen.recordings.recording import Recording
 from ccgen.recordings.refined import refined, unstated
 from ccgen.recordings.sensors import RecordedSensors
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_ROWS = 600
+_ROWS = 400
 """Of all recordings together from which is learned what they share."""
 _GAIN_STD = 0.02
 """Of a gain about 1 where the joint file states no tolerance."""
@@ -137,13 +137,36 @@ def _shared(
     common: Calibration | None,
 ) -> Shared:
     learned = _learned(joint, parts, model, sensors, common)
+    sections = joint.geometry.sections
     calibration = None
     if any(part.read is not None for part in parts):
         found, spread = learned.found, learned.spread
         calibration = Calibration(
             found.gain, spread.gain, found.zero, spread.zero, learned.noise, learned.trust
         )
-    return Shared(model, learned.found, calibration, learned.second_moment)
+    moment = sections_apart(learned.second_moment, sections)
+    if len(sections) == 1:
+        return Shared(model, learned.found, calibration, moment)
+    # Sections that happened to bend alike may bend otherwise in other rows.
+    T = model.transform(learned.found.log_compliance, learned.found.log_size)
+    free = fixed_model(sections_apart(T @ T.T, sections))
+    found = replace(learned.found, log_compliance=np.zeros(0), log_size=np.zeros(0))
+    return Shared(free, found, calibration, moment)
+
+
+def sections_apart(moment: Floats, sections: Sequence[int]) -> Floats:
+    """A second moment as if every section had also gone its own way, whatever others did.
+
+    Args:
+        moment: of u, v, elongation and twist, shape (p, p).
+        sections: segments of each, or what those are a multiple of.
+    """
+    S = len(sections)
+    m = (len(moment) - S - 1) // 2
+    own = np.repeat(np.arange(S), [m * section // sum(sections) for section in sections])
+    number = np.concatenate([own, own, np.arange(S), [S]])
+    alike = number[:, None] == number
+    return np.asarray((moment + np.where(alike, moment, 0.0)) / 2)
 
 
 def _learned(

@@ -13,7 +13,7 @@ from ccgen.kinematics.rotations import exponential, skew
 from ccgen.recordings.frames import Spread
 from ccgen.recordings.likelihood import Evidence
 from ccgen.recordings.recording import Recording
-from ccgen.recordings.sights import Frame, Linear, Sights, linearised
+from ccgen.recordings.sights import CLOSER, FAR, NEAR, Frame, Linear, Sights, linearised
 
 Floats = NDArray[np.float64]
 
@@ -50,7 +50,8 @@ def refined(
     moved = np.zeros(len(std))
     least = np.array([sights.position_noise, sights.orientation_noise])
     for turn in range(_TURNS):
-        at = linearised(replace(sights, near=turn >= _FAR_TURNS), frame, states)
+        nearness = FAR if turn < _FAR_TURNS else CLOSER if turn == _FAR_TURNS else NEAR
+        at = linearised(replace(sights, nearness=nearness), frame, states)
         step, states, noise = _step(
             at, sights, frame, states, transform, known, share, std, moved, free
         )

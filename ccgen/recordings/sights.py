@@ -23,9 +23,14 @@ _OUTLIER = 0.25
 """Weight below which a body counts as an outlier in a row."""
 _MEDIAN = 2.366
 """Of the sum of three squared standard normal numbers."""
+_STEP = 0.1
+"""Of residuals of shapes that are hardly known: what a step is expected to leave of them."""
 _SMALL = 1e-12
 _ROWS = 1000
 """Rows that are linearised at a time."""
+
+
+FAR, CLOSER, NEAR = range(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +45,9 @@ class Sights:
         rotation: shape (N, B, 3, 3); NaN where unknown.
         position_noise: one standard deviation of a coordinate from the chain, metres.
         orientation_noise: one standard deviation of a direction about an axis, radians.
+        stated_noise: both as stated, or as rows jump about: without what a chain misses.
+        nearness: how well shapes are known: hardly (`FAR`), so that what most bodies of a row are
+            off by is no outlier (`CLOSER`), or so that the noise says what is one (`NEAR`).
     """
 
     names: tuple[str, ...]
@@ -50,9 +58,7 @@ class Sights:
     position_noise: float
     orientation_noise: float
     stated_noise: tuple[float, float]
-    """Both as stated, or as rows jump about: without what a chain of segments misses."""
-    near: bool = True
-    """Whether shapes are known so well already that what lies far off is an outlier."""
+    nearness: int = NEAR
 
     @property
     def oriented(self) -> bool:
@@ -138,11 +144,13 @@ def linearised(sights: Sights, frame: Frame, states: Floats) -> Linear:
     residual = np.where(missing[..., None], 0.0, residual)
     noise = np.repeat([sights.position_noise, sights.orientation_noise], len(sights.at))
     square = np.square(residual).sum(axis=2)
-    scale = np.broadcast_to(np.square(noise[: len(freedom)]), square.shape)
-    if not sights.near:
-        scale = _row_scale(square, missing, scale, len(sights.at))
+    least = np.broadcast_to(np.square(noise[: len(freedom)]), square.shape)
+    scale = least
+    if sights.nearness != NEAR:
+        scale = _row_scale(square, missing, least, len(sights.at), sights.nearness)
     trust = ~missing * (_FREEDOM + freedom) / (_FREEDOM + square / scale)
-    return Linear(residual, by_state, trust / scale, trust, seen, place)
+    left = np.maximum(least, scale * _STEP**2)
+    return Linear(residual, by_state, trust / left, trust, seen, place)
 
 
 def tangents(sights: Sights, frame: Frame) -> Floats:
@@ -171,15 +179,24 @@ def evidence(sights: Sights, frame: Frame, states: Floats) -> Evidence:
     )
 
 
-def _row_scale(square: Floats, missing: NDArray[np.bool_], least: Floats, B: int) -> Floats:
-    """Variance of a coordinate in each row by the median body, no less than the noise's; (N, Q)."""
+def _row_scale(
+    square: Floats, missing: NDArray[np.bool_], least: Floats, B: int, nearness: int
+) -> Floats:
+    """Variance of a coordinate in each row by all of its bodies, no less than the noise's; (N, Q).
+
+    By the mean of their squares, or by the median, which some that are far off do not move.
+    """
     known = np.where(missing, np.nan, square)
     scale = np.empty_like(square)
     for kind in (slice(0, B), slice(B, None)):
         if scale[:, kind].size:
             blank = missing[:, kind].all(axis=1)
             known[blank, kind] = 0.0
-            scale[:, kind] = np.nanmedian(known[:, kind], axis=1)[:, None] / _MEDIAN
+            if nearness == FAR:
+                usual = np.nanmean(known[:, kind], axis=1) / 3.0
+            else:
+                usual = np.nanmedian(known[:, kind], axis=1) / _MEDIAN
+            scale[:, kind] = usual[:, None]
     return np.asarray(np.maximum(scale, least))
 
 

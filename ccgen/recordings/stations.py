@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ccgen.joint.specification import Geometry
 from ccgen.kinematics.rotations import logarithm, without_twist
-from ccgen.kinematics.stations import Places, seen_from_base
+from ccgen.kinematics.stations import Places, places, seen_from_base
 from ccgen.recordings.sights import Frame, Sights, tangents
 
 Floats = NDArray[np.float64]
@@ -46,12 +47,14 @@ class Sighting:
         frame: from where they were recorded to the joint.
         state: most probable, twist included, shape (N, p).
         covariance: of that, shape (N, p, p).
+        geometry: of the joint as estimates know it; `state` may be of finer segments.
     """
 
     sights: Sights
     frame: Frame
     state: Floats
     covariance: Floats
+    geometry: Geometry
 
     def errors(self, estimate: Floats) -> dict[str, StationErrors]:
         """Errors of an estimate at each station, by the body's name.
@@ -65,13 +68,15 @@ class Sighting:
             nothing = StationErrors(np.nan, {"u": np.nan, "v": np.nan}, np.nan)
             return {self.sights.names[b]: nothing for b in order}
         states = np.concatenate([estimate[rows], np.zeros((len(rows), 1))], axis=1)
-        told = _Poses.of(states, self.sights.where, self.frame)
+        geometry = self.geometry
+        where = places(self.sights.at, geometry.sections, geometry.segment_length)
+        told = _Poses.of(states, where, self.frame)
         best = _Poses.of(self.state[rows], self.sights.where, self.frame)
         return {
             self.sights.names[b]: StationErrors(
                 self._position(b, rows, told, best),
                 self._bend(b, order[i - 1] if i else None, rows, told, best),
-                self._length(b, rows, states),
+                self._length(b, rows, states, where),
             )
             for i, b in enumerate(order)
         }
@@ -118,15 +123,20 @@ class Sighting:
         left = np.einsum("ap,npq,aq->a", along, self.covariance[rows], along, optimize=True)
         return np.asarray(left / len(rows))
 
-    def _length(self, b: int, rows: NDArray[np.intp], states: Floats) -> float:
-        where = self.sights.where
-        m, sections = sum(where.sections), len(where.sections)
-        section = np.repeat(np.arange(sections), where.sections)[where.segment[: where.end[b]]]
-        along = np.zeros(self.state.shape[1])
-        np.add.at(along, 2 * m + section, where.length * where.share[: where.end[b]])
-        off = np.square((states - self.state[rows]) @ along)
-        left = np.einsum("p,npq,q->", along, self.covariance[rows], along) / len(rows)
-        return _root(off, float(left))
+    def _length(self, b: int, rows: NDArray[np.intp], states: Floats, where: Places) -> float:
+        own = _along(self.sights.where, b, self.state.shape[1])
+        off = np.square(states @ _along(where, b, states.shape[1]) - self.state[rows] @ own)
+        left = np.einsum("p,npq,q->", own, self.covariance[rows], own, optimize=True)
+        return _root(off, float(left) / len(rows))
+
+
+def _along(where: Places, b: int, states: int) -> Floats:
+    """Change of the length from the base to a station by elongation, shape (p,), metres."""
+    m, sections = sum(where.sections), len(where.sections)
+    section = np.repeat(np.arange(sections), where.sections)[where.segment[: where.end[b]]]
+    along = np.zeros(states)
+    np.add.at(along, 2 * m + section, where.length * where.share[: where.end[b]])
+    return along
 
 
 @dataclass(frozen=True, eq=False)
