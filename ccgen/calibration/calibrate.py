@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.calibration.places import Bent, Place, places
+from ccgen.calibration.bent import found_places
+from ccgen.calibration.places import Place
 from ccgen.calibration.seen import Seen, correlation, gain_of, pooled
 from ccgen.calibration.sources import Followed, Sources, counted, sources_of, without
 from ccgen.calibration.suspicious import Suspicion, Zeros, shifted, suspicious
@@ -29,8 +30,6 @@ from ccgen.joint.file import read_joint
 from ccgen.joint.messages import KeyProblemError
 from ccgen.outputs import write_file
 from ccgen.recordings.learning import independent_rows
-from ccgen.recordings.lengths import expected_changes
-from ccgen.sensing.readings import coverage, response
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -118,9 +117,8 @@ def calibrate(joint: Joint | str | Path) -> Calibrated:
         calibrated(joint, calibration)
     except KeyProblemError as problem:
         raise InputError(f"{joint.source}: {problem}") from None
-    bent = [_bent(near, one) for one in sources.followed if one.reference.dense]
     notes = (*sources.notes, *_unread(joint, read | np.array(silent)))
-    return Calibrated(calibration, places(bent, len(joint.sensors)), suspects, notes)
+    return Calibrated(calibration, found_places(near, sources.followed), suspects, notes)
 
 
 def _near(joint: Joint, seen: Sequence[Seen], suspects: Sequence[Suspicion]) -> Joint:
@@ -307,16 +305,4 @@ def _sensor(sensor: Sensor, j: int, found: Found, noise: _Noise, slips: bool) ->
         zero_std=float(found.zero_std[j]) / abs(nominal) if zeroed else None,
         noise=variance**0.5 / abs(gain) if heard else None,
         noise_std=float(noise.std[j]) / abs(gain) if heard else None,
-    )
-
-
-def _bent(joint: Joint, one: Followed) -> Bent:
-    """Bends and elongation of each sensor's span."""
-    m, state = joint.geometry.segments, one.reference.state
-    covered = coverage(joint)
-    return Bent(
-        u=expected_changes(state[:, :m], covered),
-        v=expected_changes(state[:, m : 2 * m], covered),
-        stretch=expected_changes(state[:, 2 * m :], response(joint)[:, 2 * m :]),
-        lengths=one.lengths,
     )

@@ -6,7 +6,7 @@ so the radius.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,14 +53,26 @@ class Bent:
     lengths: Floats
 
 
-def places(recordings: Sequence[Bent], count: int) -> tuple[Place, ...]:
-    """Find where the sensors of a joint run, by recordings with dense references.
+def places(recordings: Sequence[Bent], vague: Floats) -> tuple[Place, ...]:
+    """Find where the n sensors of a joint run.
 
     Args:
         recordings: with signs of gains as they are, so that a wrong sign is no wrong side.
-        count: number n of sensors.
+        vague: by which shapes that rest on sensors may be off, share of them, shape (n,).
     """
-    return tuple(_place(recordings, j) for j in range(count))
+    return tuple(_wider(_place(recordings, j), float(share)) for j, share in enumerate(vague))
+
+
+def _wider(place: Place, share: float) -> Place:
+    """A place with deviations that know by how much shapes may be off."""
+    angle, radius = place.angle_std, place.radius_std
+    return replace(
+        place,
+        angle_std=None if angle is None else float(np.hypot(angle, share)),
+        radius_std=None
+        if radius is None or place.radius is None
+        else float(np.hypot(radius, share * place.radius)),
+    )
 
 
 def _place(recordings: Sequence[Bent], j: int) -> Place:
