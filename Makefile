@@ -1,6 +1,7 @@
 # make demo   the main job on an example: fit, export, verify, a plot
 # make test   everything the tests need, then all of them
 # make prove  the exported C has no undefined behaviour, whatever the input (Frama-C, 1 GB)
+# make mutants  changes the C runtime in one place after the other: do its unit tests notice?
 # make coverage  which branches of the C runtime's sources its unit tests take
 # make vcan   the SocketCAN node on a real vcan, in a kernel that runs as a process
 PYTHON ?= python3
@@ -24,7 +25,7 @@ TOOLS = gcc:gcc g++:g++ clang:clang $(FUZZER):libclang-rt-dev cmake:cmake \
   arduino-builder:arduino-builder arduino-builder:arduino-core-avr \
   qemu-system-arm:qemu-system-arm qemu-system-riscv32:qemu-system-misc gappa:gappa
 
-.PHONY: demo test prove coverage vcan lint tools benchmark clean
+.PHONY: demo test prove mutants coverage vcan lint tools benchmark clean
 
 demo: $(VENV)/.installed
 	@mkdir -p $(OUT)
@@ -43,6 +44,11 @@ test: tools $(VENV)/.test-installed lint
 prove: TOOLS := frama-c:frama-c-base gcc:gcc
 prove: tools $(VENV)/.installed
 	tests/c/prove/run.sh $(BIN)/ccgen $(OUT)/prove
+
+mutants: TOOLS := gcc:gcc clang:clang arm-none-eabi-gcc:gcc-arm-none-eabi \
+  arm-none-eabi-gcc:libnewlib-arm-none-eabi riscv64-unknown-elf-gcc:gcc-riscv64-unknown-elf
+mutants: tools $(VENV)/.test-installed
+	$(BIN)/python tests/mutants/run.py
 
 coverage: TOOLS := gcc:gcc gcov:gcc
 coverage: tools $(VENV)/.test-installed

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from runtime_c import HERE, UNDEFINED, compile_c
+from runtime_c import HERE, UNDEFINED, Frame, Layout, compile_c, load
+from test_runtime_snapshot import CLASSIC
 
 from ccgen.can.codec import Health, health_of
 from ccgen.export.package import export
@@ -183,6 +184,19 @@ def test_a_health_that_could_not_be_sent_comes_again_under_its_counter():
     assert next(d.number for d in node.fetch() if d.kind == "health") == first.number + 1
 
 
+def test_an_answer_that_is_taken_back_before_the_first_health_takes_nothing_from_it():
+    node, twin = Node(), Node()
+    for one in (node, twin):
+        for message in one.codec.encode(list(REST), 0):
+            one.receive(message)
+    expected = twin.fetch()
+    assert {d.kind for d in expected} == {"angles", "tip", "status", "health"}
+    first = node.fetch(at_most=1)
+    assert first == expected[:1]
+    assert node.c.ccgen_shared_node_unsent(node.state) == 1
+    assert node.fetch() == expected
+
+
 def test_the_next_snapshots_become_the_zero_and_the_answer_to_the_last_has_it_already():
     node = Node()
     model = node.exported.model
@@ -298,6 +312,35 @@ def test_back_to_the_zero_that_was_restored_last():
     assert node.zero() == list(REST)
     health = node.command(3, RESTORED)
     assert (health.result, health.zero, node.zero()) == (DONE, FROM_RESTORED, [1, 2, 3, 4])
+
+
+def test_a_reading_out_of_its_range_is_not_where_a_capture_begins():
+    node = Node()
+    node.send((2001, 500, 0, 0))
+    node.command(1, CAPTURE)
+    node.send(REST)
+    assert (node.health().result, node.zero()) == (DONE, list(REST))
+
+
+@pytest.mark.parametrize("commands", [False, True])
+def test_a_command_is_one_where_the_layout_has_commands(commands):
+    layout = Layout.from_buffer_copy(CLASSIC)
+    layout.commands = commands
+    index = 3 + 8 + 3  # behind lengths, angles, tip, status, health
+    sent = Frame()
+    load().ccgen_layout_begin(ctypes.byref(layout), ctypes.c_uint16(index), ctypes.byref(sent))
+    assert (
+        load().ccgen_layout_protect(ctypes.byref(layout), ctypes.c_uint8(3), ctypes.byref(sent))
+        == 0
+    )
+    assert load().ccgen_command_is(ctypes.byref(layout), ctypes.byref(sent)) == commands
+    for damage in ("data", "length", "id"):
+        spoilt = Frame.from_buffer_copy(sent)
+        if damage == "data":
+            spoilt.data[4] ^= 1
+        else:
+            setattr(spoilt, damage, getattr(spoilt, damage) - 1)
+        assert not load().ccgen_command_is(ctypes.byref(layout), ctypes.byref(spoilt))
 
 
 def test_a_new_command_ends_a_capture():

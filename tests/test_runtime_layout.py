@@ -79,6 +79,33 @@ def test_a_field_is_valid_up_to_both_its_ends_and_no_further(name, ends):
     assert not any(map(valid, (ends[0] - 1, ends[1] + 1)))
 
 
+@pytest.mark.parametrize(
+    ("rows", "valid"),
+    [
+        ((64, 0, 0), True), ((0, 64, 0), True), ((0, 0, 64), True), ((64, 64, 64), True),
+        ((65, 0, 0), False), ((1, 65, 0), False), ((1, 1, 65), False), ((65, 65, 1), False),
+        ((0, 0, 1), True), ((0, 0, 0), False),
+    ],
+)  # fmt: skip
+def test_an_axis_has_up_to_64_rows_and_some_axis_has_one(rows, valid):
+    layout = Layout.from_buffer_copy(CLASSIC)
+    layout.rows[:] = rows
+    assert bool(load().ccgen_layout_valid(ctypes.byref(layout))) == valid
+
+
+@pytest.mark.parametrize("publish", [*range(16), 255])
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_angles_tip_status_and_health_are_published_each_by_its_own_bit(name, publish):
+    layout, kinds = Layout.from_buffer_copy(LAYOUTS[name]), KINDS[name]
+    layout.publish = publish
+    published = [
+        bool(load().ccgen_layout_publishes(ctypes.byref(layout), ctypes.c_uint16(index)))
+        for index in range(len(kinds) + 2)
+    ]
+    bits = {ANGLES: 1, TIP: 2, STATUS: 4, HEALTH: 8}
+    assert published == [bits.get(kind, 0) & publish != 0 for kind in [*kinds, FOREIGN, FOREIGN]]
+
+
 @pytest.mark.parametrize(("extended", "last"), [(False, 0x7FF), (True, 0x1FFFFFFF)])
 def test_the_last_frame_may_have_the_last_identifier_that_there_is(extended, last):
     layout = Layout.from_buffer_copy(CLASSIC)

@@ -62,6 +62,15 @@ class Bare:
         return self.c.ccgen_node_publish(layout, self.state, result, ctypes.c_int32(missing), tip)
 
 
+def test_a_node_begins_without_an_estimate_with_the_models_zero_and_no_command():
+    layout = Layout.from_buffer_copy(CLASSIC)
+    layout.publish, layout.fingerprint = 8, 0x1234
+    (health,) = Bare(layout).transmit32([0] * 12, [0] * 12)
+    lost, absent, model = 2, 3, 0
+    axes = lost | lost << 2 | absent << 4 | model << 6
+    assert health.payload()[2:] == bytes((0x34, 0x12, 0, 0, axes, 0))
+
+
 @pytest.mark.parametrize("width", [3, 4])
 def test_a_count_of_the_bus_that_16_bits_do_not_hold_is_no_reading(width):
     layout = Layout.from_buffer_copy(CLASSIC)
@@ -80,6 +89,43 @@ def test_counts_of_sensors_that_no_joint_has_are_refused(precision):
         assert counts(node.state, first, sensors, some) == ARGUMENT
     assert counts(node.state, 0, 16, some) == 0
     assert counts(node.state, 16, 0, some) == 0
+
+
+@pytest.mark.parametrize("precision", [16, 32])
+def test_counts_of_sensors_that_no_snapshot_has_are_refused(precision):
+    node, some = Bare(), (ctypes.c_int32 * 300)()
+    function = getattr(node.c, f"ccgen_node_counts{precision}")
+    for first, sensors, result in (
+        (0, 16, 0), (15, 1, 0), (16, 0, 0), (0, 17, ARGUMENT), (1, 16, ARGUMENT),
+        (16, 1, ARGUMENT), (17, 0, ARGUMENT), (255, 255, ARGUMENT), (17, 255, ARGUMENT),
+    ):  # fmt: skip
+        assert function(node.state, first, sensors, some) == result
+
+
+@pytest.mark.parametrize("precision", [16, 32])
+@pytest.mark.parametrize("rows", [(3, 0, 2), (0, 4, 1), (2, 3, 0), (0, 0, 1), (5, 4, 3)])
+def test_values_go_out_axis_by_axis_and_an_axis_without_rows_needs_none(rows, precision):
+    layout = Layout.from_buffer_copy(CLASSIC)
+    layout.rows[:], layout.angle_bytes, layout.publish = rows, precision // 8, 1
+    kind = ctypes.c_int16 if precision == 16 else ctypes.c_int32
+    axes = [(kind * n)(*(1000 * axis - k for k in range(n))) for axis, n in enumerate(rows, 1)]
+    angles = (ctypes.c_void_p * 3)(*(ctypes.addressof(axis) if axis else None for axis in axes))
+    node, sent = Bare(layout), Frame()
+    transmit = getattr(node.c, f"ccgen_node_transmit{precision}")
+    arguments = (ctypes.byref(layout), node.state, angles, 0, ctypes.byref(sent))
+    assert transmit(*arguments) == 0
+    node.publish(0, 0, (ctypes.c_int16 * 3)())
+    body = b""
+    while transmit(*arguments) == 1:
+        body += sent.payload()[2 : 8 if precision == 16 else 6]
+        assert len(body) < 1000
+    size = precision // 8
+    values = [
+        int.from_bytes(body[k : k + size], "little", signed=True) for k in range(0, len(body), size)
+    ]
+    expected = [value for axis in axes for value in axis]
+    assert values[: len(expected)] == expected
+    assert not any(values[len(expected) :])
 
 
 @pytest.mark.parametrize(("missing", "taken"), [(-1, False), (0xFFFF, True), (0x10000, False)])
@@ -120,6 +166,30 @@ def test_angles_of_32_bits_go_out_u_then_v_under_their_snapshots_number(classic,
         assert list(memoryview(place).cast("h")) == ([1, -2, 3] if result == 0 else [-32768] * 3)
         for got in (*angles, tip):
             assert profile_of(layout).check(got.id & 0xFFFF, got.payload()) == 0
+
+
+@pytest.mark.parametrize("segments", [11, 12, 13])
+@pytest.mark.parametrize("publish", range(8))
+def test_an_answer_has_the_frames_that_are_published_in_their_order(publish, segments):
+    """They are fetched one by one, and the next answer replaces none of them."""
+    layout = Layout.from_buffer_copy(CLASSIC)
+    layout.publish, layout.rows[:] = publish, (segments, segments, 0)
+    node, sent = Bare(layout), Frame()
+    some = lists_of([(ctypes.c_int16 * segments)()] * 2)
+    node.transmit32([0] * segments, [0] * segments)
+    angles = -(-2 * segments // 3)
+    parts = [range(3, 3 + angles), [3 + angles], [4 + angles]]
+    expected = [index for bit, part in enumerate(parts) if publish >> bit & 1 for index in part]
+    arguments = (ctypes.byref(layout), node.state, some, 0, ctypes.byref(sent))
+    for _ in range(2):
+        assert node.publish(0, 0, (ctypes.c_int16 * 3)()) == 1
+        fetched = []
+        for _ in expected:
+            assert node.c.ccgen_node_transmit16(*arguments) == 1
+            fetched.append(sent.id - layout.base_id)
+        assert fetched == expected
+    assert node.overruns == 0
+    assert node.c.ccgen_node_transmit16(*arguments) == 0
 
 
 def test_an_answer_of_which_only_the_status_was_not_fetched_is_an_overrun():

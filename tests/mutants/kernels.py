@@ -1,0 +1,294 @@
+"""Mutants of the estimator's kernels in `firmware_c/include`, on the host and on emulated cores."""
+
+from mutants.mutant import Group, of
+
+CORES = ("test_runtime_cores.py",)
+THUMB1 = "(cortex-m0 or cortex_m0) and not O0"  # where the loop in assembly is compiled in
+
+
+def on_host(file: str, *changes: tuple[str, ...]) -> Group:
+    """Mutants of what the host computes, without the builds that take a compiler long."""
+    return of(file, ("test_runtime_estimator.py",), *changes, chosen="not O2 and not O3")
+
+
+INTEGER = of(
+    "include/ccgen/integer.h",
+    ("test_runtime_integer.py",),
+    ("(word <= 0x7FFFu)", "(word < 0x7FFFu)", "the other branch gives 32767 too"),
+    ("- word) - 1)", "- word))"),
+    ("CCGEN_CAST(int32_t, ~word) - 1", "CCGEN_CAST(int32_t, ~word)"),
+    ("CCGEN_CAST(int64_t, ~word) - 1", "CCGEN_CAST(int64_t, ~word)"),
+    ("ccgen_signed32(word) >> 16", "ccgen_signed32(word) >> 15"),
+)
+
+SENSORS = (
+    of(
+        "include/ccgen/sensors16.h",
+        ("test_runtime_sensors.py",),
+        (
+            "<= (uint32_t)(sensors->maximum[j] - minimum)",
+            "< (uint32_t)(sensors->maximum[j] - minimum)",
+        ),
+        ("(uint32_t)(counts[j] - minimum)", "(uint32_t)(counts[j] - minimum + 1)"),
+        ("difference >= sensors->", "difference > sensors->"),
+        ("difference <= sensors->", "difference < sensors->"),
+        (" || (sensors->difference_minimum == NULL)", " || true"),
+        ("(int32_t)counts[j] - zero[j]", "(int32_t)counts[j] + zero[j]"),
+        ("(has ? 0u : (UINT32_C(1) << j))", "(has ? 0u : (UINT32_C(1) << (j / 2u)))"),
+        ("ccgen_sensors16_missing(sensors, zero, counts) == 0u", "true"),
+        ("ccgen_sensors16_has(sensors, zero, counts, 0) &&", "true &&"),
+        ("ccgen_sensors16_has(sensors, zero, counts, 7)", "true"),
+        ("(values[j] >= minimum[j])", "(values[j] > minimum[j])"),
+        ("(values[j] <= maximum[j])", "(values[j] < maximum[j])"),
+        ("(inside ? 0u : (UINT32_C(1) << j))", "(inside ? 0u : (UINT32_C(2) << j))"),
+    ),
+    of(
+        "include/ccgen/sensors32.h",
+        ("test_runtime_sensors.py",),
+        ("(counts[j] >= sensors->minimum[j])", "(counts[j] > sensors->minimum[j])"),
+        ("(counts[j] <= sensors->maximum[j])", "(counts[j] < sensors->maximum[j])"),
+        ("difference >= sensors->", "difference > sensors->"),
+        ("difference <= sensors->", "difference < sensors->"),
+        (" || (sensors->difference_minimum == NULL)", " || true"),
+        ("(int64_t)counts[j] - zero[j]", "(int64_t)counts[j] + zero[j]"),
+        ("(has ? 0u : (UINT32_C(1) << j))", "(has ? 0u : (UINT32_C(1) << (j / 2u)))"),
+        ("ccgen_sensors32_missing(sensors, zero, counts) == 0u", "true"),
+        ("ccgen_sensors32_has(sensors, zero, counts, 0) &&", "true &&"),
+        ("ccgen_sensors32_has(sensors, zero, counts, 7)", "true"),
+        ("(values[j] >= minimum[j])", "(values[j] > minimum[j])"),
+        ("(values[j] <= maximum[j])", "(values[j] < maximum[j])"),
+        ("(inside ? 0u : (UINT32_C(1) << j))", "(inside ? 0u : (UINT32_C(2) << j))"),
+    ),
+)
+
+ESTIMATORS = (
+    on_host(
+        "include/ccgen/axis16.h",
+        ("((int32_t)(low) + 0x8000)", "((int32_t)(low))"),
+    ),
+    on_host(
+        "include/ccgen/estimator16.h",
+        (
+            "ccgen_evaluate16(axis, zero, counts, false, angles);",
+            "ccgen_evaluate16(axis, zero, counts, true, angles);",
+        ),
+    ),
+    on_host(
+        "include/ccgen/estimator32.h",
+        ("(uint64_t)axis->bias + ccgen_axis32_offset(axis)", "(uint64_t)axis->bias"),
+        ("(uint32_t)(start >> 32)", "0u"),
+        ("ccgen_axis32_difference(axis, zero, counts, 7)", "0"),
+        ("uint8_t j = CCGEN_UNROLLED_MAX;", "uint8_t j = CCGEN_UNROLLED_MAX + 1u;"),
+    ),
+)
+
+FACTORS16 = on_host(
+    "include/ccgen/factors16.h",
+    ("((axis->sensors + 1u) / 2u)", "(axis->sensors / 2u)"),
+    (
+        "(difference >= INT16_MIN)",
+        "(difference > INT16_MIN)",
+        "a difference that fits takes the path of one that does not, which gives the same bits",
+    ),
+    ("(difference >= INT16_MIN)", "(difference >= INT16_MIN - 1)"),
+    ("(difference <= INT16_MAX)", "(difference <= INT16_MAX + 1)"),
+    ("ccgen_fits16(axis, zero, counts, 0) && ", ""),
+    (" && ccgen_fits16(axis, zero, counts, 7)", ""),
+    ("uint8_t j = CCGEN_UNROLLED_MAX;", "uint8_t j = CCGEN_UNROLLED_MAX + 1u;"),
+    (
+        "(ccgen_difference16(axis, zero, counts, a) & 0xFFFFu)",
+        "ccgen_difference16(axis, zero, counts, a)",
+    ),
+    ("(zero_a & 0xFFFFu)", "zero_a"),
+    ("0u - (uint32_t)ccgen_value16(axis, zero, b)", "(uint32_t)ccgen_value16(axis, zero, b)"),
+    ("difference << 15;", "difference << 14;"),
+    (" - (difference << 16);", ";"),
+    ("return bias + ((uint32_t)CCGEN_ANGLE16_LIMIT << axis->shift);", "return bias;"),
+)
+
+KERNEL16 = on_host(
+    "include/ccgen/kernel16.h",
+    ("if (2u * k >= axis->sensors) {", "if (2u * k + 1u >= axis->sensors) {"),
+    ("(int32_t)ccgen_low16(a) * ccgen_low16(b)", "(int32_t)ccgen_low16(a) * ccgen_high16(b)"),
+    ("factors->narrow ? most", "true ? most"),
+    ("(2u * k + 1u < axis->sensors)", "(2u * k + 2u < axis->sensors)"),
+    ("(uint32_t)(ccgen_signed32(weights) >> 16)", "(weights >> 16)"),
+    (
+        "        if (steps > 2u * CCGEN_ANGLE16_LIMIT) {",
+        "        if (steps >= 2u * CCGEN_ANGLE16_LIMIT) {",
+        "the highest angle is clipped to itself",
+    ),
+    (
+        "        if (steps > 2u * CCGEN_ANGLE16_LIMIT) {",
+        "        if (steps > 2u * CCGEN_ANGLE16_LIMIT + 1u) {",
+    ),
+    ("steps = sum >> axis->shift;", "steps = (uint32_t)(ccgen_signed32(sum) >> axis->shift);"),
+    ("? 0u : 2u * CCGEN_ANGLE16_LIMIT", "? 1u : 2u * CCGEN_ANGLE16_LIMIT"),
+    ("(without >= 0x80000000u)", "(without >= 0x8000u)"),
+    (
+        "(without >= 0x80000000u)",
+        "(without > 0x80000000u)",
+        "the exporter proves that no sum is -2^31",
+    ),
+    ("        steps -= CCGEN_ANGLE16_LIMIT;\n", "        steps -= CCGEN_ANGLE16_LIMIT - 1u;\n"),
+    ("ccgen_words16(axis) > (pair + 1u)", "ccgen_words16(axis) > pair"),
+    ("        sum += (uint32_t)biases[k];\n", ""),
+    ("            biases += turn;\n", ""),
+    ("    sum = ccgen_add_pairs16(axis, sum, factors, row, 1);\n", ""),
+    ("        angle += turn;\n", "        angle += 1;\n"),
+    ("ccgen_prepare16(axis, zero, counts, 3, &factors);", ""),
+    ("uint8_t pair = CCGEN_PAIRS_UNROLLED;", "uint8_t pair = CCGEN_PAIRS_UNROLLED + 1u;"),
+    ("uint8_t pair = 0;", "uint8_t pair = 1;"),
+)
+
+KERNEL16_ON_CORES = (
+    of(
+        "include/ccgen/kernel16.h",
+        CORES,
+        (" &&\n        (axis->sensors <= CCGEN_UNROLLED_MAX)) {", ") {"),
+        chosen=THUMB1,
+    ),
+    of(
+        "include/ccgen/kernel16.h",
+        CORES,
+        ("(uint32_t)__qadd16(ccgen_signed32(clipped), 1)", "clipped + 1u"),
+        ("__ssat(value, 16)", "__ssat(value, 15)"),
+        chosen="cortex-m4 and not instructions",
+    ),
+    of(
+        "include/ccgen/kernel16.h",
+        CORES,
+        ("clipped + ((clipped + CCGEN_ANGLE16_LIMIT) >> 31);", "clipped;"),
+        chosen="cortex-m3",
+    ),
+    of(
+        "include/ccgen/factors16.h",
+        CORES,
+        ("return bias - ((uint32_t)1 << axis->shift);", "return bias;"),
+        chosen="cortex-m4 and not instructions",
+    ),
+)
+
+KERNEL32 = on_host(
+    "include/ccgen/kernel32.h",
+    ("uint8_t sensor = 0;", "uint8_t sensor = 1;"),
+    (
+        "(uint32_t)counts[sensor] - (uint32_t)zero[sensor]",
+        "(uint32_t)counts[sensor] + (uint32_t)zero[sensor]",
+    ),
+    (
+        "if (sensor >= axis->sensors) {",
+        "if (sensor > axis->sensors) {",
+        "there the second weight of a pair is 0",
+    ),
+    ("(int64_t)ccgen_signed32(weight)", "(int64_t)weight"),
+    ("axis->sensors > (sensor + 1u)", "axis->sensors > sensor"),
+    ("((uint64_t)0x80000000u << axis->shift)", "((uint64_t)0x40000000u << axis->shift)"),
+    ("ccgen_signed64(sum) >> axis->shift", "sum >> axis->shift"),
+    ("(sum >> 32) >= ((uint64_t)1 << axis->shift)", "(sum >> 32) > ((uint64_t)1 << axis->shift)"),
+    ("? 0u : 0xFFFFFFFFu", "? 0xFFFFFFFFu : 0u"),
+    ("(steps == 0u) ? 1u : steps", "steps"),
+    ("((uint64_t)factors->start_high << 32) | factors->start_low", "factors->start_low"),
+    ("        sum += (uint64_t)biases[k];\n", ""),
+    ("    sum = ccgen_axis32_add_pair(axis, sum, factors, row, 3);\n", ""),
+    ("            biases += turn;\n", ""),
+)
+
+LOAD = on_host(
+    "include/ccgen/load.h",
+    ("(segments % 4u)", "(segments % 2u)"),
+    ("(segments % 3u) == 0u", "true"),
+    ("(segments % 2u) == 0u", "true"),
+    ("    *second = ccgen_load(from);\n", "    *second = **from;\n"),
+)
+
+LOAD_ON_CORES = of(
+    "include/ccgen/load.h",
+    CORES,
+    ('"ldrd %0, %1, [%2], #8"', '"ldrd %0, %1, [%2], #4"'),
+    ('"ldr %0, [%1], #4"', '"ldr %0, [%1]"'),
+    chosen="cortex-m3",
+)
+
+KERNEL16_THUMB1 = of(
+    "include/ccgen/kernel16_thumb1.h",
+    CORES,
+    ('".if %c[sensors] > " #b "\\n"', '".if %c[sensors] > 1 + " #b "\\n"'),
+    ('"asrs " word ", " word ", #16\\n"', '"lsrs " word ", " word ", #16\\n"'),
+    ('"asrs " word ", " word ", #16\\n"', '"asrs " word ", " word ", #15\\n"'),
+    (
+        "&CCGEN_THUMB1_FACTOR(6), &CCGEN_THUMB1_FACTOR(7)",
+        "&CCGEN_THUMB1_FACTOR(7), &CCGEN_THUMB1_FACTOR(6)",
+    ),
+    ('"subs r5, r5, #2\\n"', '"subs r5, r5, #1\\n"'),
+    ('"lsrs r5, r5, #1\\n"', '"lsrs r5, r5, #2\\n"'),
+    ('"negs r5, r5\\n"', '""'),
+    (
+        '"bhi  .Lccgen_clip_',
+        '"bhs  .Lccgen_clip_',
+        "the highest angle is clipped to itself",
+    ),
+    ('"bhi  .Lccgen_clip_', '"bgt  .Lccgen_clip_'),
+    ('".if %c[sensors] > 2\\n"', '".if %c[sensors] > 1\\n"'),
+    ('".if %c[sensors] > 6\\n"', '".if %c[sensors] > 7\\n"'),
+    ('".elseif %c[sensors] > 4\\n"', '".elseif %c[sensors] > 5\\n"'),
+    ('CCGEN_THUMB1_PAIR("r3", 2, 3)', 'CCGEN_THUMB1_PAIR("r2", 2, 3)'),
+    ('CCGEN_THUMB1_PAIR("r3", 6, 7)', 'CCGEN_THUMB1_PAIR("r3", 7, 6)'),
+    ('CCGEN_THUMB1_SHIFT("lsrs")', 'CCGEN_THUMB1_SHIFT("asrs")'),
+    ('CCGEN_THUMB1_SHIFT("asrs")', 'CCGEN_THUMB1_SHIFT("lsrs")'),
+    ('CCGEN_THUMB1_SHIFT("lsls")', 'CCGEN_THUMB1_SHIFT("lsrs")'),
+    ('".if %c[bits]\\n"', '".if %c[bits] > 7\\n"'),
+    ('"strh r5, [%[angle], #2*\\\\i]\\n"', '"strh r5, [%[angle], #0]\\n"'),
+    ('"adds %[angle], %[angle], #2*%c[turn]\\n"', '"adds %[angle], %[angle], #2\\n"'),
+    (
+        '".if %c[turn]*(5+4*%c[sensors]) < 116\\n"',
+        '".if %c[turn]*(5+4*%c[sensors]) < 50\\n"',
+        "a loop that a short branch would close is closed by a long one",
+    ),
+    ('"b    2f\\n"', '""'),
+    (
+        '"asrs r5, r5, #31\\n"',
+        '"asrs r5, r5, #30\\n"',
+        "the bit that this leaves in place of the sign's is the one that 65534 lacks",
+    ),
+    ('"mvns r5, r5\\n"', '""'),
+    ('"ands r5, r5, r6\\n"', '""'),
+    ('[saturates] "i"(axis->saturates)', '[saturates] "i"(0)'),
+    ('[bits] "i"(known ? axis->shift : 0)', '[bits] "i"(axis->shift & 15)'),
+    chosen=THUMB1,
+)
+
+QUEUE = of(
+    "include/ccgen/queue.h",
+    (
+        "test_runtime_queue.py::test_frames_come_out_whole_and_in_order_whenever_the_interrupt_strikes",
+    ),
+    (
+        "(CCGEN_CAST(uint8_t, head - queue->tail) == CCGEN_QUEUE_PLACES) ||",
+        "(CCGEN_CAST(uint8_t, head - queue->tail) == 255) ||",
+    ),
+    ("    queue->at_us[place] = now_us;\n", ""),
+    ("    to->remote = frame->remote;\n", ""),
+    ("    to->rate_switch = frame->rate_switch;\n", ""),
+    ("    frame->extended = from->extended;\n", ""),
+    ("    if (queue->head == tail) {\n        return false;\n    }\n", ""),
+    (
+        "queue->tail = CCGEN_CAST(uint8_t, tail + 1u)",
+        "queue->tail = CCGEN_CAST(uint8_t, tail + 2u)",
+    ),
+    ("(frame->length > CCGEN_FRAME_CAPACITY)", "false"),
+)
+
+GROUPS = (
+    INTEGER,
+    *SENSORS,
+    *ESTIMATORS,
+    FACTORS16,
+    KERNEL16,
+    *KERNEL16_ON_CORES,
+    KERNEL32,
+    LOAD,
+    LOAD_ON_CORES,
+    KERNEL16_THUMB1,
+    QUEUE,
+)
