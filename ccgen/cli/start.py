@@ -1,10 +1,15 @@
 """Where the program begins: nothing heavy is imported before its signals are in hand."""
 
+import gc
+import os
 import signal
 import sys
 
 from ccgen.cli.terminal import Terminal
 from ccgen.outputs import terminate
+
+_YOUNG = 100_000
+"""Objects between two collections of garbage."""
 
 
 def start() -> None:
@@ -21,6 +26,7 @@ def start() -> None:
 
 
 def _run() -> int:
+    _spare()
     try:
         from ccgen.cli.main import main
 
@@ -31,3 +37,11 @@ def _run() -> int:
         sys.stderr.write("ccgen: interrupted\n")
         return 130
     return 0
+
+
+def _spare() -> None:
+    """Leave out work that does nothing for a program that soon ends."""
+    # What imports make is there to stay: it need not be searched for garbage again and again.
+    gc.set_threshold(_YOUNG, *gc.get_threshold()[1:])
+    # Plugins of pydantic are looked for in the metadata of everything that is installed.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")

@@ -76,9 +76,9 @@ def few_rows(joint: "Joint", sources: Sequence[Source]) -> Iterator[str]:
         joint: its axes and sensors.
         sources: recordings that weights are fitted to, rows in order of time.
     """
-    from ccgen.recordings.learning import independent_rows
-
     for source in sources:
+        from ccgen.recordings.learning import independent_rows
+
         for axis in joint.axes:
             own = joint.own(axis)
             wanted = _ROWS_A_SENSOR * (own.stop - own.start)

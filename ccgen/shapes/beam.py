@@ -75,13 +75,14 @@ def bend(case: LoadCase, segments: int, first_segment: ArrayLike) -> Equilibria:
         ReachError: an angle that no state up to the case's limit reaches.
     """
     targets = np.asarray(first_segment, dtype=np.float64)
-    branch, row = _branch_by_first_segment(case, segments)
+    most = float(targets.max(initial=0.0))
+    branch, row = _branch_by_first_segment(case, segments, most)
     reach = (1 - _FLAT) * float(np.max(branch.states @ row))
-    if np.any(targets > reach):
+    if most > reach:
         reached = rounded_down(float(np.degrees(reach)), 6)
         which = "the only one" if segments == 1 else f"the first of {segments} segments"
         raise ReachError(
-            f"load case {case.name}: a first segment at {np.degrees(targets.max()):.6g} degrees is"
+            f"load case {case.name}: a first segment at {np.degrees(most):.6g} degrees is"
             f" out of reach; {which} reaches {reached:.6g} degrees"
             f" (dimensionless loads up to {case.limit:g})"
         )
@@ -95,16 +96,42 @@ def fold(case: LoadCase) -> Equilibria | None:
     return Equilibria(case, branch.states[peaks[0]]) if peaks.size else None
 
 
-@lru_cache(maxsize=32)
 def follow(case: LoadCase) -> Branch:
     """Follow the branch of a load case from the unbent joint until its load passes the limit."""
+    return _trail(case).branch()
+
+
+@dataclass(eq=False)
+class _Trail:
+    """States and tangents of a branch as far as it has been followed."""
+
+    case: LoadCase
+    states: list[FloatArray]
+    tangents: list[FloatArray]
+
+    def branch(self, row: FloatArray | None = None, enough: float = 0.0) -> Branch:
+        """The branch to its end, or until row . state has passed what is enough."""
+        count = 1
+        while row is None or float(self.states[count - 1] @ row) <= enough:
+            if count == len(self.states) and not self._go_on():
+                break
+            count += 1
+        return Branch(self.case, np.array(self.states[:count]), np.array(self.tangents[:count]))
+
+    def _go_on(self) -> bool:
+        state, tangent = self.states[-1], self.tangents[-1]
+        if state[NODES] >= self.case.limit or len(self.states) >= _MAX_STATES:
+            return False
+        state, tangent = _advance(self.case, state, tangent, STEP)
+        self.states.append(state)
+        self.tangents.append(tangent)
+        return True
+
+
+@lru_cache(maxsize=32)
+def _trail(case: LoadCase) -> _Trail:
     state, tangent = solve(case, np.zeros(SIZE), load_row(), 0.0)
-    states, tangents = [state], [tangent]
-    while state[NODES] < case.limit and len(states) < _MAX_STATES:
-        state, tangent = _advance(case, state, tangent, STEP)
-        states.append(state)
-        tangents.append(tangent)
-    return Branch(case, np.array(states), np.array(tangents))
+    return _Trail(case, [state], [tangent])
 
 
 def _advance(
@@ -125,16 +152,19 @@ def _arc(state: FloatArray, tangent: FloatArray) -> tuple[FloatArray, FloatArray
     return metric, tangent / np.sqrt(metric @ tangent**2)
 
 
-@lru_cache(maxsize=256)
-def _branch_by_first_segment(case: LoadCase, segments: int) -> tuple[Branch, FloatArray]:
+def _branch_by_first_segment(
+    case: LoadCase, segments: int, enough: float
+) -> tuple[Branch, FloatArray]:
     """The branch with the peaks of the first segment's angle, and the row that picks this angle.
 
-    Mirrored where need be, so that the angle rises from zero: it falls where one segment is the
-    whole joint and bends into an s-shape.
+    As far as this angle has passed what is enough, or to its end. Mirrored where need be, so that
+    the angle rises from zero: it falls where one segment is the whole joint and bends into an
+    s-shape.
     """
-    branch = follow(case)
-    row = angle_rows(np.array([1 / segments]))[0]
-    if branch.tangents[0] @ row < 0:
+    row, trail = angle_rows(np.array([1 / segments]))[0], _trail(case)
+    sign = -1.0 if trail.tangents[0] @ row < 0 else 1.0
+    branch = trail.branch(sign * row, (1 + 2 * _FLAT) * enough)
+    if sign < 0:
         branch = Branch(case, -branch.states, -branch.tangents)
     return _with_peaks(branch, row)[0], row
 

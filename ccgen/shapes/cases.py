@@ -71,23 +71,31 @@ def shape_library(
         InputError: unknown load case.
         ReachError: a load case that does not bend the first segment so far.
     """
-    return _shape_library(segments, range_of_motion, samples, tuple(cases))
+    return _shape_libraries(segments, range_of_motion, (samples,), tuple(cases))[0]
 
 
 @lru_cache(maxsize=8)
-def _shape_library(
-    segments: int, range_of_motion: float, samples: int, cases: tuple[str, ...]
-) -> ShapeLibrary:
-    first_segment = amplitudes(range_of_motion, samples)
-    library = ShapeLibrary(
-        angles=np.concatenate([_segment_angles(segments, case, first_segment) for case in cases]),
-        cases=tuple(case for case in cases for _ in range(samples)),
-        amplitudes=np.tile(first_segment, len(cases)),
-        range_of_motion=range_of_motion,
-    )
-    library.angles.setflags(write=False)
-    library.amplitudes.setflags(write=False)
-    return library
+def _shape_libraries(
+    segments: int, range_of_motion: float, samples: tuple[int, ...], cases: tuple[str, ...]
+) -> tuple[ShapeLibrary, ...]:
+    """A library for each number of samples; what bends the joint is solved for all at once."""
+    parts = [amplitudes(range_of_motion, count) for count in samples]
+    every = np.concatenate(parts)
+    bent = [_segment_angles(segments, case, every) for case in cases]
+    ends = np.cumsum(samples)[:-1]
+    split = zip(*(np.split(angles, ends) for angles in bent), strict=True)
+    libraries = []
+    for first_segment, angles in zip(parts, split, strict=True):
+        library = ShapeLibrary(
+            angles=np.concatenate(angles),
+            cases=tuple(case for case in cases for _ in first_segment),
+            amplitudes=np.tile(first_segment, len(cases)),
+            range_of_motion=range_of_motion,
+        )
+        library.angles.setflags(write=False)
+        library.amplitudes.setflags(write=False)
+        libraries.append(library)
+    return tuple(libraries)
 
 
 def single_shape(segments: int, case: str, first_segment: float) -> FloatArray:
@@ -112,7 +120,7 @@ def fit_library(joint: Joint) -> ShapeLibrary:
     Raises:
         ReachError: names the joint file and its key.
     """
-    return _joint_library(joint, joint.shapes.fit_samples)
+    return _joint_libraries(joint)[0]
 
 
 def score_library(joint: Joint) -> ShapeLibrary:
@@ -121,7 +129,7 @@ def score_library(joint: Joint) -> ShapeLibrary:
     Raises:
         ReachError: names the joint file and its key.
     """
-    return _joint_library(joint, joint.shapes.score_samples)
+    return _joint_libraries(joint)[1]
 
 
 def axis_library(shapes: Shapes, axis: str, range_of_motion: float) -> ShapeLibrary:
@@ -151,11 +159,13 @@ def beyond_fold(segments: int, range_of_motion: float) -> bool:
     return bool(beam.bend(beam.S_SHAPE, segments, [range_of_motion]).load[0] > fold.load)
 
 
-def _joint_library(joint: Joint, samples: int) -> ShapeLibrary:
-    geometry = joint.geometry
+def _joint_libraries(joint: Joint) -> tuple[ShapeLibrary, ...]:
+    """The libraries to fit to and to score with."""
+    geometry, shapes = joint.geometry, joint.shapes
+    samples = (shapes.fit_samples, shapes.score_samples)
     try:
-        return shape_library(
-            geometry.segments, geometry.range_of_motion, samples, joint.shapes.cases
+        return _shape_libraries(
+            geometry.segments, geometry.range_of_motion, samples, tuple(shapes.cases)
         )
     except ReachError as error:
         raise ReachError(f"{joint.source}: geometry.range_of_motion: {error}") from error
