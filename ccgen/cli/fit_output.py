@@ -1,5 +1,6 @@
 """What `ccgen fit` prints."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -27,7 +28,7 @@ def as_json(fit: "Fit", axes: Figures) -> dict[str, Any]:
     return {
         "method": fit.method,
         "axes": axes,
-        "errors": [error_json(row) for row in fit.errors],
+        "errors": [row.record() for row in fit.errors],
         "warnings": list(fit.warnings),
         "without": [asdict(row) for row in fit.without],
         "checks": checks_json(fit.checks),
@@ -35,18 +36,11 @@ def as_json(fit: "Fit", axes: Figures) -> dict[str, Any]:
     }
 
 
-def error_json(row: "ErrorRow") -> dict[str, Any]:
-    """One row of the table of errors; stations only where there are some."""
-    found = asdict(row)
-    if row.stations is None:
-        del found["stations"]
-    return found
-
-
 def show_fit(fit: "Fit", axes: Figures) -> None:
     """Print a fit as tables."""
     show_axes(fit.joint, fit.method, axes)
     show_errors(fit)
+    show_stations(fit)
     _show_without(fit)
     show_checks(fit.checks, fit.joint.false_alarms)
 
@@ -114,6 +108,33 @@ def show_errors(fit: "Fit") -> None:
             ),
         )
     show_table(table)
+
+
+def show_stations(fit: "Fit") -> None:
+    """Print errors at the bodies and markers of recordings."""
+    from rich.table import Table
+
+    rows = [row for row in fit.errors if row.noise and row.stations]
+    if not rows:
+        return
+    title = "Errors at bodies and markers, the reference's own noise taken off"
+    table = Table("source", "station", title=title, title_justify="left")
+    for name in ("place\nRMS mm", "u bend\nRMS deg", "v bend\nRMS deg", "length\nRMS mm"):
+        table.add_column(name, justify="right")
+    for row in rows:
+        for station, own in (row.stations or {}).items():
+            table.add_row(
+                row.source,
+                station,
+                _known(1e3 * own.position_rms_m),
+                *(_known(own.bend_rms_deg[axis]) for axis in ("u", "v")),
+                _known(1e3 * own.arc_length_rms_m),
+            )
+    show_table(table)
+
+
+def _known(value: float) -> str:
+    return _number(None if math.isnan(value) else value)
 
 
 def _error_cells(row: "ErrorRow") -> dict[str, str]:

@@ -94,7 +94,6 @@ def _answer(joint: "Joint", axis: str, placed: "Placed", wide: "Shapes") -> dict
 def _describe(
     joint: "Joint", axis: str, placed: "Placed", placement: "Placement", angles: "Floats"
 ) -> dict[str, Any]:
-    from ccgen.cli.fit_output import error_json
     from ccgen.placement import error_rows, scores, visible_faults
 
     rows = error_rows(joint, placed.problem, placed.axes, placement.spans)
@@ -110,7 +109,7 @@ def _describe(
         "spans_m": [[first * segment, (last + 1) * segment] for first, last in placement.spans],
         "score_percent_rom": score,
         "score_with_noise_percent_rom": expected,
-        "errors": [error_json(row) for row in rows],
+        "errors": [row.record() for row in rows],
         "visible_faults_percent": seen,
         "evaluations": placement.evaluations,
         "optimality": placement.optimality,

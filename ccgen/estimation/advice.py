@@ -40,6 +40,11 @@ def advice(fit: FittedWeights) -> Iterator[str]:
     if fit.found is not None:
         for reference in fit.found.references:
             yield from reference.notes
+            if not reference.dense:
+                yield (
+                    f"{reference.name}: its errors of segments hold the most probable shapes for "
+                    "true, which bodies and markers tell in part; those at stations are measured"
+                )
 
 
 def _other_loads(fit: FittedWeights) -> Iterator[str]:

@@ -11,9 +11,9 @@ the variance of the truth about it.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,21 +26,11 @@ from ccgen.sensing.readings import length_changes, normaliser
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
+    from ccgen.recordings.stations import StationErrors
     from ccgen.shapes import Shapes
 
 WORST = 3.0
 """Standard deviations of noise in the worst error of the tip."""
-
-
-@dataclass(frozen=True)
-class StationErrors:
-    """Root mean square errors at a body or marker, the reference's own noise taken off."""
-
-    position_rms_m: float
-    bend_rms_deg: Mapping[str, float]
-    """By axis: of the bend since the station before; empty without orientations."""
-    arc_length_rms_m: float | None
-    """From the base, where the joint elongates."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +56,17 @@ class ErrorRow:
     """The worst row's; with noise three standard deviations more."""
     elongation_rms_percent: float | None
     """Of a section, % of its length; None where the joint does not estimate elongation."""
-    stations: Mapping[str, StationErrors] | None = None
+    stations: Mapping[str, "StationErrors"] | None = None
+    """Of a recording with bodies or markers, by their names."""
+
+    def record(self) -> dict[str, Any]:
+        """What JSON can say of the row: None where nothing is known, stations where there are."""
+        found = asdict(self)
+        if self.stations is None:
+            del found["stations"]
+        else:
+            found["stations"] = {name: _known_alone(one) for name, one in found["stations"].items()}
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,12 +242,21 @@ def missed(
     return Missed(joint, weights, state, estimate, deviation, (rounding or {}) if noise else {})
 
 
+def _known_alone(record: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        key: _known_alone(value)
+        if isinstance(value, Mapping)
+        else (None if value != value else value)  # NaN alone differs from itself
+        for key, value in record.items()
+    }
+
+
 def errors_of(
     source: str,
     found: Missed | Pooled,
     noise: bool,
     held_out: bool,
-    stations: Mapping[str, StationErrors] | None = None,
+    stations: Mapping[str, "StationErrors"] | None = None,
 ) -> ErrorRow:
     """The figures of errors; rows without an estimate do not count.
 

@@ -131,7 +131,13 @@ class RecordedFit:
     def _row(self, number: int, noise: bool) -> ErrorRow:
         truth, found = self.whole.found.references[number], self.judged(number, noise)
         _check(truth, found)
-        return errors_of(truth.name, found, noise, True)
+        stations = None
+        if not truth.dense:
+            estimate = np.full(truth.state.shape, np.nan)
+            for part, one in zip(self._parts(number), found.parts, strict=True):
+                estimate[part.rows] = one.estimate
+            stations = truth.stations(estimate)
+        return errors_of(truth.name, found, noise, True, stations)
 
 
 @dataclass(frozen=True, eq=False)

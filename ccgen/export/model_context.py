@@ -37,7 +37,7 @@ _ABOUT = {"u": "Bending about x (u)", "v": "Bending about y (v)"}
 
 def model_context(fitted: Fit, layout: FrameLayout) -> dict[str, Any]:
     """Sensors, formats, weights and accuracy of all axes."""
-    joint, model = fitted.joint, fitted.model
+    joint, model = fitted.sensed, fitted.model
     fields = fields_of(joint, layout)
     axes = _axes_context(fitted, fields)
     return {
@@ -207,7 +207,7 @@ def _kernel_fields(members: list[dict[str, Any]], joint: Joint) -> list[str]:
 
 
 def _axis_context(fitted: Fit, axis: AxisModel) -> dict[str, Any]:
-    joint, weights = fitted.joint, fitted.weights[axis.axis]
+    joint, weights = fitted.sensed, fitted.weights[axis.axis]
     step = 2.0**-axis.fraction_bits
     said = f"{100.0 * step:.3g} %" if axis.axis == "h" else f"{math.degrees(step):.3g}°"
     return {

@@ -119,8 +119,9 @@ def render(fitted: Fit, kept: Kept | None = None) -> tuple[FrameLayout, dict[str
         fitted: what to export.
         kept: where it comes from.
     """
-    joint, model = _expressible(fitted.joint), fitted.model
-    _check_expressible(fitted.sensed)
+    _expressible(fitted.joint)
+    joint, model = fitted.sensed, fitted.model
+    _check_expressible(joint)
     layout = layout_for(joint, model.readings)
     runtime = runtime_files()
     values: dict[str, Any] = {

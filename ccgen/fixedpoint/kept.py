@@ -18,7 +18,7 @@ import numpy as np
 from ccgen import __version__
 from ccgen.errors import InputError
 from ccgen.estimation.coupled import spans_of
-from ccgen.estimation.errors import ErrorRow, StandardDeviations, StationErrors
+from ccgen.estimation.errors import ErrorRow, StandardDeviations
 from ccgen.estimation.fit import Task
 from ccgen.estimation.fitted import Without
 from ccgen.estimation.sources import Source
@@ -169,7 +169,7 @@ def _record(fit: Fit) -> dict[str, Any]:
         "guarded": model_record(guarded.model) | guard_record(guarded),
         "shapes": _shortened(state).tolist(),
         "source": list(fit.shapes.source[every][:_SAMPLES]),
-        "errors": [asdict(row) for row in fit.errors],
+        "errors": [row.record() for row in fit.errors],
         "without": [asdict(row) for row in fit.without],
         "standard_deviations": asdict(fit.standard_deviations),
         "stated": fit.stated.name,
@@ -219,10 +219,22 @@ def _weights(joint: Joint, axis: str, method: str, record: dict[str, Any]) -> We
 
 
 def _error_row(record: dict[str, Any]) -> ErrorRow:
-    stations = record["stations"]
+    from ccgen.recordings.stations import StationErrors
+
+    stations = record.get("stations")
     if stations is not None:
-        stations = {name: StationErrors(**one) for name, one in stations.items()}
+        stations = {name: StationErrors(**_unknown(one)) for name, one in stations.items()}
     return ErrorRow(**{**record, "stations": stations})
+
+
+def _unknown(record: dict[str, Any]) -> dict[str, Any]:
+    """The numbers of a record; NaN where there is none."""
+    return {
+        key: _unknown(value)
+        if isinstance(value, dict)
+        else float("nan" if value is None else value)
+        for key, value in record.items()
+    }
 
 
 def _short(value: float) -> float:
