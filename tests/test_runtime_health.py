@@ -197,6 +197,18 @@ def test_an_answer_that_is_taken_back_before_the_first_health_takes_nothing_from
     assert node.fetch() == expected
 
 
+def test_an_answer_that_is_taken_back_brings_no_health_of_its_own():
+    node = Node()
+    node.fetch()
+    for message in node.codec.encode(list(REST), 0):
+        node.receive(message)
+    first = node.fetch(at_most=1)
+    assert node.c.ccgen_shared_node_unsent(node.state) == 1
+    again = node.fetch()
+    assert again[:1] == first
+    assert "health" not in {d.kind for d in again}
+
+
 def test_the_next_snapshots_become_the_zero_and_the_answer_to_the_last_has_it_already():
     node = Node()
     model = node.exported.model

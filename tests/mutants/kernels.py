@@ -1,4 +1,4 @@
-"""Mutants of the estimator's kernels in `firmware_c/include`, on the host and on emulated cores."""
+"""Mutants of what `firmware_c/include` computes, on the host and on emulated cores."""
 
 from mutants.mutant import Group, of
 
@@ -258,6 +258,19 @@ KERNEL16_THUMB1 = of(
     chosen=THUMB1,
 )
 
+PRODUCT = of(
+    "include/ccgen/product.h",
+    ("test_polynomial.py::test_products_are_rounded_down_by_either_kind_of_core",),
+    ("(CCGEN_CAST(int64_t, a) * b) >> 16", "(CCGEN_CAST(int64_t, a) * b) >> 15"),
+    ("(CCGEN_CAST(int64_t, a) * b) >> 32", "(CCGEN_CAST(int64_t, a) * b) >> 31"),
+    ("(a >> 16) * b + ((low * b) >> 16)", "(a >> 16) * b"),
+    (" + lowest;", ";"),
+    ("(a_low * b_low) >> 16", "(a_low * b_low) >> 17"),
+    (" + (first & 0xFFFF);", ";"),
+    ("(first & 0xFFFF)", "(first & 0x7FFF)"),
+    (" + (second >> 16);", ";"),
+)
+
 QUEUE = of(
     "include/ccgen/queue.h",
     (
@@ -290,5 +303,6 @@ GROUPS = (
     LOAD,
     LOAD_ON_CORES,
     KERNEL16_THUMB1,
+    PRODUCT,
     QUEUE,
 )

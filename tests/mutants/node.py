@@ -113,7 +113,11 @@ NODE = of(
     ("(int16_t)INT16_MIN : (int16_t)count", "(int16_t)INT16_MAX : (int16_t)count"),
     ("narrow_count(node->snapshot.counts[first + j])", "narrow_count(node->snapshot.counts[j])"),
     ("= node->snapshot.counts[first + j]", "= node->snapshot.counts[j]"),
-    ("(first <= CCGEN_SENSORS_MAX) && ", ""),
+    (
+        "(first <= CCGEN_SENSORS_MAX) && ",
+        "",
+        "what is left of the sensors is then below 0, as ints go, and no number of them is",
+    ),
     ("(sensors <= (CCGEN_SENSORS_MAX - first))", "true"),
     ("(missing < 0) || ", ""),
     ("(missing > 0xFFFF)", "(missing > 0x10000)"),
@@ -247,6 +251,7 @@ NODE_AND_HEALTH = of(
     ("    node->handed = CCGEN_HANDED_HEALTH;\n", ""),
     ("if ((layout->publish & CCGEN_PUBLISH_STATUS) == 0u) {", "if (false) {"),
     ("node->health.due || (handed", "(handed"),
+    ("node->health.due || (handed == CCGEN_HANDED_HEALTH)", "true"),
     (" || (handed == CCGEN_HANDED_HEALTH)", ""),
 )
 
