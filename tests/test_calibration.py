@@ -11,6 +11,8 @@ import pytest
 import ccgen
 from ccgen.calibration.bent import left_out
 from ccgen.calibration.calibrate import calibrate
+from ccgen.calibration.seen import Seen
+from ccgen.calibration.suspicious import suspicious
 from ccgen.cli.main import main
 from ccgen.errors import ArgumentError, InputError
 from ccgen.joint.calibration import SensorCalibration
@@ -516,3 +518,16 @@ def test_what_the_command_refuses_leaves_an_older_file_as_it_was(tmp_path, capsy
     assert run("calibrate", str(file)) == 2
     assert capsys.readouterr().err.count("\n") == 1
     assert place.read_text() == "older"
+
+
+@pytest.mark.parametrize(("step", "slips"), [(1.2e-4, False), (6e-4, True)])
+def test_a_step_within_the_usual_noise_is_no_slip(step, slips):
+    random = np.random.default_rng(0)
+    expected = 5e-3 * np.sin(np.arange(600) / 20)[:, None]
+    lengths = expected + 2e-5 * random.standard_normal((600, 1))
+    lengths[300:] += step
+    seen = Seen(
+        source="run.csv", t=np.arange(600.0), timed=True, expected=expected, lengths=lengths,
+        raw=lengths, step=np.array([STEP]), noise=1.2e-4,
+    )  # fmt: skip
+    assert [one.kind for one in suspicious(["u0"], [seen])] == ["slipping"] * slips

@@ -37,9 +37,9 @@ def test_json_holds_formats_and_files(tmp_path):
     ],
 )
 def test_frames_that_a_cycle_cannot_hold_are_a_warning(tmp_path, can, percent, remedy):
-    result = run(tmp_path, can, "--json")
+    result = run(tmp_path, f'publish = ["angles", "tip", "status"]\n{can}', "--json")
     assert json.loads(result.stdout)["bus_load_percent"] == pytest.approx(percent)
-    assert f"{at_least(percent)} % of that time" in (tmp_path / "out" / "README.md").read_text()
+    assert f"{at_least(percent)} % of the time" in (tmp_path / "out" / "README.md").read_text()
     if remedy is None:
         assert result.stderr == ""
     else:

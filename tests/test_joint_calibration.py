@@ -4,6 +4,8 @@ import re
 from dataclasses import replace
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from joint_files import joint_text
 
 import ccgen
@@ -188,3 +190,20 @@ def test_an_exported_folder_holds_the_calibration_and_works_without_it(folder):
     (folder / "out" / "calibration.toml").unlink()
     assert open_exported(folder / "out").joint.sensors == stated().sensors
     assert open_exported(folder / "out").changed == ("calibration.toml",)
+
+
+WHOLE = calibration_text(
+    Calibration("finger", "00ff", (FOUND, SensorCalibration("v0", zero=3.0)), 0.01, 1e-3)
+)
+
+
+@settings(max_examples=200)
+@given(st.integers(0, len(WHOLE)), st.text(max_size=4), st.integers(0, 10))
+def test_damaged_text_is_a_calibration_or_one_line(place, inserted, removed):
+    data = (WHOLE[:place] + inserted + WHOLE[place + removed :]).encode("utf-8", "replace")
+    try:
+        parse_calibration(data, FILE)
+        said = f"{FILE}: sound"
+    except InputError as error:
+        said = str(error)
+    assert re.fullmatch(rf"{FILE}: [^\n\r]+", said)

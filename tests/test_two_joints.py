@@ -51,6 +51,8 @@ class Answers:
         if decoded.kind == "status":
             self.statuses.append(decoded)
             return True
+        if decoded.kind == "health":
+            return True
         numbers = self.exported.layout.numbers
         snapshot = sent - 1 - (sent - 1 - decoded.number) % numbers
         key = (snapshot, decoded.kind, decoded.index)

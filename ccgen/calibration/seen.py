@@ -21,6 +21,7 @@ class Seen:
         lengths: readings at nominal gain, shape (N, n), metres; NaN: none, or stuck.
         raw: the same with those that stick, shape (N, n).
         step: nominal metres per count, shape (n,).
+        noise: what is usual for a reading of the joint, play and all, metres.
     """
 
     source: str
@@ -30,6 +31,7 @@ class Seen:
     lengths: Floats
     raw: Floats
     step: Floats
+    noise: float = 0.0
 
 
 def pooled(seen: Sequence[Seen], i: int, j: int) -> tuple[Floats, Floats]:

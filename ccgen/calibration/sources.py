@@ -142,6 +142,7 @@ class Sources:
                 lengths=one.lengths,
                 raw=one.raw,
                 step=self.step,
+                noise=float(np.nanmedian(one.noise)),
             )
             for one in self.followed
         )

@@ -205,7 +205,7 @@ def _slipping(
 ) -> Iterator[tuple[int, str]]:
     for j in rest:
         for one in seen:
-            found = _step_of_zero(one.expected[:, j], one.lengths[:, j])
+            found = _step_of_zero(one.expected[:, j], one.lengths[:, j], one.noise)
             if found is None:
                 continue
             row, step = found
@@ -218,8 +218,14 @@ def _slipping(
             break
 
 
-def _step_of_zero(expected: Floats, lengths: Floats) -> tuple[int, float] | None:
-    """Row and size of the step that a zero takes, where it does."""
+def _step_of_zero(expected: Floats, lengths: Floats, usual: float) -> tuple[int, float] | None:
+    """Row and size of the step that a zero takes, where it does.
+
+    Args:
+        expected: changes of length, shape (N,), metres.
+        lengths: readings, shape (N,), metres.
+        usual: noise of the joint's readings; shapes that rest on readings hide what is theirs.
+    """
     there = np.flatnonzero(~np.isnan(expected) & ~np.isnan(lengths))
     parts = min(_PARTS, len(there) // 4)
     if parts < _FEWEST_PARTS:
@@ -233,9 +239,9 @@ def _step_of_zero(expected: Floats, lengths: Floats) -> tuple[int, float] | None
     (gain, zero, step), _ = _split(x, y, after)
     residual = y - gain * x - zero - step * (np.arange(len(x)) >= after)
     medians = np.array([np.median(residual[a:b]) for a, b in pairwise(borders)])
-    usual = _ROBUST * float(np.median(np.abs(medians - np.median(medians))))
+    drift = _ROBUST * float(np.median(np.abs(medians - np.median(medians))))
     noise = _ROBUST * float(np.median(np.abs(residual - np.median(residual))))
-    if abs(step) <= max(_STEP * usual, _STEP_OF_NOISE * noise):
+    if abs(step) <= max(_STEP * drift, _STEP_OF_NOISE * max(noise, usual)):
         return None
     return int(there[after]), float(step)
 
