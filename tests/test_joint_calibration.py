@@ -187,9 +187,10 @@ def test_an_exported_folder_holds_the_calibration_and_works_without_it(folder):
     exported = open_exported(folder / "out")
     assert exported.joint == joint
     assert exported.changed == ()
-    (folder / "out" / "calibration.toml").unlink()
+    assert read_joint(folder / "out" / "joint.toml") == joint
+    (folder / "out" / FILE).unlink()
     assert open_exported(folder / "out").joint.sensors == stated().sensors
-    assert open_exported(folder / "out").changed == ("calibration.toml",)
+    assert open_exported(folder / "out").changed == (FILE,)
 
 
 WHOLE = calibration_text(

@@ -50,8 +50,8 @@ JOINT_FILES = {
 }
 """Generated files of the folder and their templates."""
 
-CALIBRATION_FILE = "calibration.toml"
-"""Copy of the joint's calibration file, whatever path joint.toml gives."""
+CALIBRATION_END = ".calibration.toml"
+"""Behind the joint's name: the copy of its calibration file, whatever path joint.toml gives."""
 
 RUNTIME_FILES = (("include/ccgen", "src/ccgen"), ("src", "src/ccgen"), ("ports", "ports"))
 """Folders of the C runtime and where they go."""
@@ -149,7 +149,7 @@ def render(fitted: Fit, kept: Kept | None = None) -> tuple[FrameLayout, dict[str
     texts["model.json"] = model_json(model)
     files = runtime | {"joint.toml": joint.content, "LICENSE": resources.licence().read_bytes()}
     if joint.calibration_content:
-        files[CALIBRATION_FILE] = joint.calibration_content
+        files[f"{joint.name}{CALIBRATION_END}"] = joint.calibration_content
     files |= {path: text.encode("utf-8") for path, text in texts.items()}
     files[FILE_NAME] = manifest_json(joint.name, _inputs(fitted, kept), files).encode("utf-8")
     return layout, files

@@ -1,5 +1,6 @@
 """An exported folder as `verify`, `cost` and `bridge` see it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -9,7 +10,7 @@ from ccgen.can.fingerprint import fingerprint
 from ccgen.can.layout import FrameLayout, layout_for
 from ccgen.errors import InputError
 from ccgen.export.manifest import changed_files, read_manifest
-from ccgen.export.package import CALIBRATION_FILE
+from ccgen.export.package import CALIBRATION_END
 from ccgen.fixedpoint import FixedPointModel, load_model
 from ccgen.joint import AXES, Joint
 from ccgen.joint.file import read_joint
@@ -67,8 +68,8 @@ def open_exported(directory: Path) -> Exported:
     Raises:
         InputError: it is none, or a file in it is damaged.
     """
-    read_manifest(directory)
-    joint = read_joint(directory / "joint.toml", lambda _: _calibration(directory))
+    files = read_manifest(directory)
+    joint = read_joint(directory / "joint.toml", lambda _: _calibration(directory, files))
     model = load_model(directory / "model.json")
     if not _is_model_of(joint, model):
         raise InputError(
@@ -77,10 +78,11 @@ def open_exported(directory: Path) -> Exported:
     return Exported(directory, joint, model, changed=tuple(changed_files(directory)))
 
 
-def _calibration(directory: Path) -> bytes | None:
+def _calibration(directory: Path, files: Iterable[str]) -> bytes | None:
     """The folder's copy of the calibration; without it, gains are those that joint.toml states."""
+    copies = [name for name in files if name.endswith(CALIBRATION_END) and "/" not in name]
     try:
-        return (directory / CALIBRATION_FILE).read_bytes()
+        return (directory / copies[0]).read_bytes() if copies else None
     except FileNotFoundError:
         return None
 
