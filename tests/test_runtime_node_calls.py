@@ -62,13 +62,21 @@ class Bare:
         return self.c.ccgen_node_publish(layout, self.state, result, ctypes.c_int32(missing), tip)
 
 
-def test_a_node_begins_without_an_estimate_with_the_models_zero_and_no_command():
+@pytest.mark.parametrize("rows", [(12, 12, 0), (0, 4, 1), (3, 0, 0), (0, 0, 2), (5, 4, 3)])
+def test_a_node_begins_without_an_estimate_with_the_models_zero_and_no_command(rows):
     layout = Layout.from_buffer_copy(CLASSIC)
-    layout.publish, layout.fingerprint = 8, 0x1234
-    (health,) = Bare(layout).transmit32([0] * 12, [0] * 12)
-    lost, absent, model = 2, 3, 0
-    axes = lost | lost << 2 | absent << 4 | model << 6
-    assert health.payload()[2:] == bytes((0x34, 0x12, 0, 0, axes, 0))
+    layout.publish, layout.fingerprint, layout.rows[:] = 8, 0x1234, rows
+    some, sent = (ctypes.c_int16 * 64)(), Frame()
+    node, angles = Bare(layout), lists_of([some, some])
+    angles[2] = ctypes.addressof(some)
+    arguments = (ctypes.byref(layout), node.state, angles, 0, ctypes.byref(sent))
+    assert node.c.ccgen_node_transmit16(*arguments) == 1
+    lost, absent = 2, 3
+    axes = sum((lost if n else absent) << 2 * axis for axis, n in enumerate(rows))
+    assert sent.payload()[2:] == bytes((0x34, 0x12, 0, 0, axes, 0))
+    all_lost = sum(lost << 2 * axis for axis, n in enumerate(rows) if n)
+    assert node.c.ccgen_health_all_lost(ctypes.byref(layout)) == all_lost
+    assert node.c.ccgen_node_transmit16(*arguments) == 0
 
 
 @pytest.mark.parametrize("width", [3, 4])
