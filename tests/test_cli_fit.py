@@ -259,3 +259,16 @@ def test_a_joint_that_states_no_elongation_is_told_what_it_would_add(capsys):
     out, err = capsys.readouterr()
     assert "1 % elongation adds" in out
     assert "cannot tell" not in err
+
+
+def test_the_plot_of_fit_shows_errors_along_the_joint_by_source():
+    fitted = fit_of(noisy_joint())
+    figure = case_study_figure(fitted, along=True)
+    last = figure.axes[-1]
+    assert last.get_xlabel() == "along the joint / m"
+    told = {(row.source, axis): row.rms_deg[axis] for row in fitted.errors if row.noise
+            for axis in ("u", "v")}  # fmt: skip
+    drawn = {tuple(line.get_label().split(", ")): line.get_ydata() for line in last.lines}
+    assert drawn.keys() == told.keys()
+    for key, values in drawn.items():
+        assert np.sqrt(np.mean(np.square(values))) == pytest.approx(told[key])

@@ -32,7 +32,11 @@ def fit(
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
     plot: Annotated[
         Path | None,
-        typer.Option("--plot", metavar="FILE", help="Draw estimated against actual: .svg or .png."),
+        typer.Option(
+            "--plot",
+            metavar="FILE",
+            help="Draw estimated against actual, and errors along the joint: .svg or .png.",
+        ),
     ] = None,
 ) -> None:
     """Fit a joint's estimator and tell its errors, by the shapes that they are met on.
@@ -59,7 +63,7 @@ def fit(
     if plot is not None:
         from ccgen.figures.case_study import case_study_figure
 
-        write_plot(plot, lambda: case_study_figure(fitted))
+        write_plot(plot, lambda: case_study_figure(fitted, along=True))
     record = as_json(fitted, axes)  # everything, before the first line is printed
     if json:
         print_json(record)

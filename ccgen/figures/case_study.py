@@ -9,8 +9,9 @@ from ccgen.errors import ReachError
 from ccgen.estimation import direct, in_the_papers_way
 from ccgen.estimation.fit import weights_of
 from ccgen.estimation.fitted import FittedWeights
+from ccgen.figures.along import draw_errors_along
 from ccgen.figures.estimators import Estimator, own_estimator, spans_estimator
-from ccgen.figures.style import label_curve, new_figure, planar_curve, styled
+from ccgen.figures.style import label_curve, new_figure, planar_curve, styled, whole_row
 from ccgen.joint import CASES, Joint
 from ccgen.joint.layouts import end_to_end
 from ccgen.placement.moved import moved
@@ -43,7 +44,7 @@ _WITHOUT_NOISE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.6}
 
 
 @styled
-def case_study_figure(fit: FittedWeights, axis: str | None = None) -> "Figure":
+def case_study_figure(fit: FittedWeights, axis: str | None = None, along: bool = False) -> "Figure":
     """Draw actual and estimated curves of an axis under the joint's load cases (figure 8).
 
     Below each curve stands how far the estimates lie from it; where the joint states noise, as a
@@ -53,13 +54,17 @@ def case_study_figure(fit: FittedWeights, axis: str | None = None) -> "Figure":
     Args:
         fit: its method is drawn beside DEM, E-WAM and WAM.
         axis: "u" or "v"; the first that is estimated by default.
+        along: whether the error along the joint follows, by the shapes that it is met on.
 
     Raises:
         InputError: a method that cannot use the joint's sensors.
     """
     joint, cases = fit.sensed, _cases(fit.joint)
     estimators = dict(methods(fit, axis or joint.axes[0]))
-    figure, (curves, errors) = new_figure((2.6 * len(cases) + 0.6, 6.0), len(cases), rows=2)
+    size = (2.6 * len(cases) + 0.6, 9.0 if along else 6.0)
+    figure, (curves, errors, *rest) = new_figure(size, len(cases), rows=3 if along else 2)
+    for row in rest:
+        draw_errors_along(fit, whole_row(figure, row))
     for case, curve, error in zip(cases, curves, errors, strict=True):
         _draw_case(joint, case, estimators, curve, error)
     largest = max(error.get_ylim()[1] for error in errors)

@@ -92,9 +92,17 @@ def new_figure(size: tuple[float, float], columns: int, rows: int = 1) -> tuple[
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=size, layout="constrained")
-    heights = [2, 1] if rows == 2 else [1]
+    heights = [2, 1, 1.2][:rows] if rows > 1 else [1]
     axes = figure.subplots(rows, columns, squeeze=False, height_ratios=heights)
     return figure, axes if rows > 1 else axes[0]
+
+
+def whole_row(figure: "Figure", axes: Any) -> "Axes":
+    """One for the whole row in the place of the axes of a row."""
+    grid, row = axes[0].get_gridspec(), axes[0].get_subplotspec().rowspan.start
+    for one in axes:
+        one.remove()
+    return figure.add_subplot(grid[row, :])
 
 
 def label_curve(axes: "Axes", title: str) -> None:

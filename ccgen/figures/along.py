@@ -1,0 +1,54 @@
+"""Errors along a joint, by the shapes that they are met on."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ccgen.estimation.errors import StandardDeviations, standard_deviations
+from ccgen.estimation.fitted import FittedWeights
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Colours of Okabe and Ito, told apart by readers with any colour vision.
+_COLOURS = ("#000000", "#E69F00", "#56B4E9", "#009E73", "#D55E00", "#CC79A7", "#0072B2")
+_LINES = {"u": "-", "v": "--"}
+_SMALLEST = 1e-6
+"""Degrees; less is not drawn."""
+
+
+def errors_along(fit: FittedWeights) -> Iterator[tuple[str, StandardDeviations]]:
+    """Sources of a fit by name, each with the errors of every segment, noise and all."""
+    for source in fit.told:
+        yield source.name, standard_deviations(fit.missed(source, True))
+    if fit.recorded is not None:
+        for i, reference in enumerate(fit.recorded.whole.found.references):
+            yield reference.name, standard_deviations(fit.recorded.judged(i, True))
+
+
+def draw_errors_along(fit: FittedWeights, axes: "Axes") -> None:
+    """Draw the root mean square error of every segment, a colour a source, a line an axis."""
+    joint = fit.sensed
+    segments = joint.geometry.segments
+    centre = (np.arange(segments) + 0.5) * joint.geometry.segment_length
+    for i, (name, found) in enumerate(errors_along(fit)):
+        for axis in joint.axes:
+            if axis != "h":
+                axes.plot(
+                    centre,
+                    np.maximum(np.degrees(found.axes[axis]), _SMALLEST),
+                    color=_COLOURS[i % len(_COLOURS)],
+                    linestyle=_LINES[axis],
+                    marker=".",
+                    linewidth=1.2,
+                    label=f"{name}, {axis}",
+                )
+    axes.set(
+        title="Error of a segment, by the shapes that it is met on, with noise",
+        xlabel="along the joint / m",
+        ylabel="RMS / deg",
+        yscale="log",
+        xlim=(0.0, joint.geometry.length),
+    )
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
