@@ -79,6 +79,17 @@ def test_a_node_begins_without_an_estimate_with_the_models_zero_and_no_command(r
     assert node.c.ccgen_node_transmit16(*arguments) == 0
 
 
+@pytest.mark.parametrize(("origin", "values"), [(CLASSIC, 15), (FD, 256)])
+def test_the_counter_of_health_runs_through_all_values(origin, values):
+    layout = Layout.from_buffer_copy(origin)
+    layout.publish = 8
+    node, zeros = Bare(layout), [0] * layout.rows[0]
+    for k in range(2 * values + 2):
+        (health,) = node.transmit32(zeros, zeros, now=100_000 * k)
+        checked = profile_of(layout).check(health.id & 0xFFFF, health.payload())
+        assert checked == k % values
+
+
 @pytest.mark.parametrize("width", [3, 4])
 def test_a_count_of_the_bus_that_16_bits_do_not_hold_is_no_reading(width):
     layout = Layout.from_buffer_copy(CLASSIC)
