@@ -34,8 +34,15 @@ TARGETS = {16: 4e-6, 32: 5e-7}
 CHORD_REACH = Fraction(101, 100)
 """Longest chord of a segment of length 1, rounding and all."""
 
-_SHARES = (4.0, 2.8, 2.0, 1.4, 1.0, 0.5, 0.25, 0.125)
-"""Of the error that would do if every rounding were as large as it is allowed to be."""
+_SHARES = (
+    (5.0, 0.6), (8.0, 0.2), (5.0, 0.3), (5.0, 0.1), (3.5, 0.3), (3.5, 0.1), (2.0, 0.3), (2.0, 0.1),
+    (1.0, 0.2), (0.5, 0.1), (0.25, 0.05),
+)  # fmt: skip
+"""Shares of the aimed error that a frame's entries, over all segments, and a chord's may take.
+
+Errors seldom are as large as they are allowed to be: the first pair whose bound is small enough
+serves.
+"""
 
 
 def pose_model(task: PoseTask) -> PoseModel:
@@ -52,9 +59,9 @@ def pose_model(task: PoseTask) -> PoseModel:
     target = TARGETS[task.precision]
     degrees = _degrees(task, target / 10)
     place = _place(task, target * task.length / 20)
-    for share in _SHARES:
+    for frame, chord in _SHARES:
         try:
-            turn = _turn(task, degrees, share * target)
+            turn = _turn(task, degrees, frame * target, chord * target)
         except FormatError:
             break  # smaller shares need still more bits
         bounds = _bounds(task, turn, place, degrees)
@@ -83,8 +90,8 @@ def _degrees(task: PoseTask, share: float) -> Degrees:
     raise AssertionError("the series converges faster")
 
 
-def _turn(task: PoseTask, degrees: Degrees, share: float) -> Compiled:
-    """One segment's plan, with roundings as a share of the length would allow them at the tip."""
+def _turn(task: PoseTask, degrees: Degrees, frame: float, chord: float) -> Compiled:
+    """One segment's plan; frames after all segments and every chord may err by so much."""
     one = float(1 + FRAME_MARGIN)
     u, v = (
         Input((-end, end), bits, task.precision)
@@ -94,8 +101,8 @@ def _turn(task: PoseTask, degrees: Degrees, share: float) -> Compiled:
     frame_bits = _frame_bits(float(task.full_angle))
     inputs = {"frame": Input((-one, one), frame_bits, 32, held=True), "u": u, "v": v}
     outputs = {
-        "distal": Output(share / (3 * max(task.segments - 1, 1)), frame_bits),
-        "chord": Output(share / 4, _sum_bits(task)),
+        "distal": Output(frame / (3 * max(task.segments - 1, 1)), frame_bits),
+        "chord": Output(chord, _sum_bits(task)),
     }
     return compile_function(turn_function(degrees), inputs, outputs)
 

@@ -15,17 +15,21 @@ from ccgen.polynomial.intervals import Interval, power_of_two
 from ccgen.polynomial.plan import PRODUCTS, Step
 from ccgen.polynomial.proof import INT32, forward_error
 
-_COST = {"low": 1, "word": 6, "high": 17}
+COST = {"low": 1, "word": 6, "high": 17}
 _SLACK = 1 << 12  # units that roundings may add to a sum
 _LIMITS = {"low": 32, "word": 16, "high": 32}  # bits of the second operand
 
 
 @dataclass(frozen=True)
 class _Form:
-    """One way to multiply: shifts of the operands (to the right, or negative), then the product."""
+    """One way to multiply: shifts of the operands (to the right, or negative), then the product.
+
+    Shifts to the right round down, or to the nearest, which takes a sum more.
+    """
 
     kind: str
     shifts: tuple[int, int]
+    nearest: bool
     fraction_bits: int
     error: float
     cost: int
@@ -50,12 +54,14 @@ class Builder:
         meant: what each stands for.
         off: how far each may be off.
         integers: least and greatest integer of each.
+        lacking: of some products how many bits a cheaper form lacks.
     """
 
     steps: list[Step] = field(default_factory=list)
     meant: list[Interval] = field(default_factory=list)
     off: list[Interval] = field(default_factory=list)
     integers: list[Ends] = field(default_factory=list)
+    lacking: dict[int, int] = field(default_factory=dict)
     _known: dict[Step, int] = field(default_factory=dict)
 
     def put(self, step: Step, meant: Interval | None = None, ends: Ends | None = None) -> int:
@@ -89,6 +95,15 @@ class Builder:
             return a
         kind = "right" if bits > 0 else "left"
         return self.put(Step(kind, (a,), self.fraction_bits(a) - bits, abs(bits)))
+
+    def _cut(self, a: int, bits: int, nearest: bool) -> Step | None:
+        """The step that brings an operand of a product to fewer bits, or to more; None for none."""
+        if bits == 0:
+            return None
+        half = 1 << bits >> 1 if nearest and bits > 0 else 0
+        half = half if self.size(a) + half <= INT32[1] else 0
+        kind = "right" if bits > 0 else "left"
+        return Step(kind, (a,), self.fraction_bits(a) - bits, abs(bits), half)
 
     def constant(self, exact: Fraction, fraction_bits: int) -> int:
         """The integer nearest to a constant in a format."""
@@ -151,24 +166,37 @@ class Builder:
         forms = [(form, (a, b)) for form in _forms(sizes, formats, need)]
         forms += [(form, (b, a)) for form in _forms(*turned, need) if form.kind == "word"]
         form, (x, y) = min(forms, key=lambda found: self._judged(found[0], found[1], need))
-        return self._multiplied(form, x, y, meant)
+        made = self._multiplied(form, x, y, meant)
+        self._note(made, form, [one for one, _ in forms], need)
+        return made
+
+    def _note(self, made: int, form: _Form, forms: Sequence[_Form], need: int) -> None:
+        """Write down what a cheaper form lacks."""
+        errors = [one.error for one in forms if COST[one.kind] < COST[form.kind]]
+        if errors:
+            self.lacking[made] = max(1, math.ceil(math.log2(min(errors)) + need))
 
     def _judged(
         self, form: _Form, operands: tuple[int, int], need: int
     ) -> tuple[bool, float, float]:
         cost = form.cost + sum(
-            self._shift_cost(k, bits) for k, bits in zip(operands, form.shifts, strict=True)
+            self._shift_cost(k, bits, form.nearest)
+            for k, bits in zip(operands, form.shifts, strict=True)
         )
         enough = form.error <= 1.01 * math.ldexp(1.0, -need)
         return (not enough, cost if enough else form.error, form.error)
 
-    def _shift_cost(self, a: int, bits: int) -> int:
-        kind = "right" if bits > 0 else "left"
-        step = Step(kind, (a,), self.fraction_bits(a) - bits, abs(bits))
-        return int(bits != 0 and step not in self._known)
+    def _shift_cost(self, a: int, bits: int, nearest: bool) -> int:
+        step = self._cut(a, bits, nearest)
+        if step is None or step in self._known:
+            return 0
+        return 3 if step.value else 1
 
     def _multiplied(self, form: _Form, a: int, b: int, meant: Interval) -> int:
-        x, y = (self.shifted(k, bits) for k, bits in zip((a, b), form.shifts, strict=True))
+        cuts = [
+            self._cut(k, bits, form.nearest) for k, bits in zip((a, b), form.shifts, strict=True)
+        ]
+        x, y = (k if cut is None else self.put(cut) for k, cut in zip((a, b), cuts, strict=True))
         bits = self.fraction_bits(x) + self.fraction_bits(y) - PRODUCTS[form.kind]
         return self.put(Step(form.kind, (x, y), bits), meant)
 
@@ -179,17 +207,17 @@ class Builder:
         if size == power_of_two(exponent):
             result = self.view(a, exponent)
             return self.negated(result) if factor < 0 else result
-        found = min(
-            self._scaled_forms(a, factor, need),
-            key=lambda one: self._judged_scaled(one, a, need),
-        )
+        forms = list(self._scaled_forms(a, factor, need))
+        found = min(forms, key=lambda one: self._judged_scaled(one, a, need))
         constant = self.constant(factor, found.digits)
         first, second = (constant, a) if found.first else (a, constant)
-        return self._multiplied(found.form, first, second, meant)
+        made = self._multiplied(found.form, first, second, meant)
+        self._note(made, found.form, [one.form for one in forms], need)
+        return made
 
     def _judged_scaled(self, one: _Scaled, a: int, need: int) -> tuple[bool, float, float]:
         bits = one.form.shifts[1 if one.first else 0]
-        cost = one.form.cost + self._shift_cost(a, bits)
+        cost = one.form.cost + self._shift_cost(a, bits, one.form.nearest)
         enough = one.form.error <= 1.01 * math.ldexp(1.0, -need)
         return (not enough, cost if enough else one.form.error, one.form.error)
 
@@ -249,11 +277,11 @@ def _forms(sizes: Sequence[int], formats: Sequence[int], need: int) -> Iterator[
     (a, b), (fa, fb) = sizes, formats
     for ta in range(max(1, a.bit_length())):
         tb = max(0, (a >> ta).bit_length() + b.bit_length() - 31)
-        error = (math.ldexp(b, ta - fa - fb) if ta else 0.0) + (
-            math.ldexp(a, tb - fa - fb) if tb else 0.0
-        )
-        if ((a >> ta) + bool(ta)) * ((b >> tb) + bool(tb)) <= INT32[1]:
-            yield _Form("low", (ta, tb), fa + fb - ta - tb, error, _COST["low"])
+        if ((a >> ta) + 1) * ((b >> tb) + 1) <= INT32[1] or (ta == tb == 0 and a * b <= INT32[1]):
+            cut = _cut(b, ta, fa + fb) + _cut(a, tb, fa + fb)
+            for nearest in (False, True) if ta or tb else (False,):
+                error = cut / 2 if nearest else cut
+                yield _Form("low", (ta, tb), nearest, fa + fb - ta - tb, error, COST["low"])
     for kind in ("word", "high"):
         limit = _LIMITS[kind]
         drop = max(0, b.bit_length() - (limit - 1))
@@ -261,5 +289,12 @@ def _forms(sizes: Sequence[int], formats: Sequence[int], need: int) -> Iterator[
         left = min(max(0, need - bits), _headroom(a, 32))
         more = 0 if drop else min(max(0, need - bits - left), _headroom(b, limit))
         bits += left + more
-        error = math.ldexp(1.0, -bits) + (math.ldexp(a, drop - fa - fb) if drop else 0.0)
-        yield _Form(kind, (-left, drop or -more), bits, error, _COST[kind])
+        cut, own = _cut(a, drop, fa + fb), math.ldexp(1.0, -bits)
+        for nearest in (False, True) if drop else (False,):
+            error = own + (cut / 2 if nearest else cut)
+            yield _Form(kind, (-left, drop or -more), nearest, bits, error, COST[kind])
+
+
+def _cut(other: int, bits: int, fraction_bits: int) -> float:
+    """What a product loses where so many bits of one operand are dropped."""
+    return math.ldexp(other, bits - fraction_bits) if bits else 0.0

@@ -2,17 +2,18 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from ccgen.digits import at_least
 from ccgen.errors import FormatError
+from ccgen.polynomial.cheapening import cheapened
 from ccgen.polynomial.enclosures import PIECES
 from ccgen.polynomial.graph import read_graph
 from ccgen.polynomial.model import evaluate
 from ccgen.polynomial.plan import Plan
-from ccgen.polynomial.planner import Task
+from ccgen.polynomial.planner import Draft, Task
 from ccgen.polynomial.proof import Proof, prove
 from ccgen.polynomial.specification import Input, Output, check_outputs, input_variables
 
@@ -52,10 +53,6 @@ class Compiled:
         """Fraction bits of every output."""
         return {variable.name: variable.fraction_bits for variable, _ in self.plan.outputs}
 
-    def excess(self, outputs: Mapping[str, Output]) -> Fraction:
-        """Largest proven error, in units of the one that is wanted."""
-        return max(max(row) / Fraction(outputs[name].error) for name, row in self.bounds.items())
-
     def evaluate(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """The integer reference model: `ccgen.polynomial.model.evaluate`."""
         return evaluate(self.plan, self.proof.integers, values)
@@ -78,22 +75,23 @@ def compile_function(
     variables = input_variables(function, inputs)
     check_outputs(function, outputs)
     graph = read_graph(function)
-    best: Compiled | None = None
+    best: Draft | None = None
     least = math.inf
     for most in (1, PIECES):  # most functions need no more than one, which is much quicker
         task, worse = Task.of(graph, variables, outputs, most), 0
         for spare in _SPARE:
             found = task.planned(spare)
-            compiled = found and Compiled(function.name(), *found)
-            excess = float(compiled.excess(outputs)) if compiled else math.inf
-            if compiled and compiled.excess(outputs) <= 1:
-                return replace(compiled, proof=prove(compiled.plan))
+            if found and found.excess(outputs) <= 1:
+                plan = cheapened(task, spare, found).plan
+                return Compiled(function.name(), plan, prove(plan))
+            excess = float(found.excess(outputs)) if found else math.inf
             worse = 0 if excess < _CLEARLY * least else worse + 1
             if excess < least:
-                best, least = compiled, excess
+                best, least = found, excess
             if worse > _PATIENCE:
                 break
-    raise FormatError(_refusal(function.name(), outputs, best))
+    closest = Compiled(function.name(), best.plan, best.proof) if best else None
+    raise FormatError(_refusal(function.name(), outputs, closest))
 
 
 def _refusal(name: str, outputs: Mapping[str, Output], best: Compiled | None) -> str:

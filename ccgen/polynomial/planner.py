@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from types import MappingProxyType
 
 from ccgen.errors import CheckError
-from ccgen.polynomial.builder import Builder
+from ccgen.polynomial.builder import COST, Builder
 from ccgen.polynomial.enclosures import pieces
 from ccgen.polynomial.endings import output_format, rounded, without_idle
 from ccgen.polynomial.graph import Graph, Node
@@ -13,6 +14,36 @@ from ccgen.polynomial.intervals import ONE, ZERO, Interval, hull
 from ccgen.polynomial.plan import Plan, Step
 from ccgen.polynomial.proof import Proof, prove
 from ccgen.polynomial.specification import Output, Variable
+
+_NO_RELIEF: Mapping[int, int] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A plan for a task.
+
+    Attributes:
+        plan: the plan.
+        proof: what is proven of it.
+        lacking: of nodes that are multiplied in long forms how many bits a shorter form lacks.
+    """
+
+    plan: Plan
+    proof: Proof
+    lacking: Mapping[int, int]
+
+    @property
+    def cost(self) -> int:
+        """Instructions of a core without long products, roughly."""
+        idle = ("input", "constant", "view")
+        return sum(COST.get(step.kind, 1) for step in self.plan.steps if step.kind not in idle)
+
+    def excess(self, outputs: Mapping[str, Output]) -> Fraction:
+        """Largest proven error, in units of the one that is wanted."""
+        return max(
+            bound / Fraction(outputs[variable.name].error)
+            for (variable, _), bound in zip(self.plan.outputs, self.proof.bounds(), strict=True)
+        )
 
 
 @dataclass(frozen=True)
@@ -52,13 +83,20 @@ class Task:
         ranges = [hull(row) for row in zip(*found, strict=True)]
         return cls(graph, tuple(inputs), outputs, most, ranges, _needs(graph, ranges, outputs))
 
-    def planned(self, spare: int) -> tuple[Plan, Proof] | None:
-        """A plan with so many bits to spare, and its proof; None where some value does not fit."""
+    def planned(self, spare: int, relief: Mapping[int, int] = _NO_RELIEF) -> Draft | None:
+        """A plan with so many bits to spare; None where some value does not fit.
+
+        Args:
+            spare: bits beyond `needs`.
+            relief: bits that nodes may lack, by their numbers.
+        """
         build = Builder()
+        lacking: dict[int, int] = {}
         places: list[int] = []
         for number, node in enumerate(self.graph.nodes):
             operands = [places[k] for k in node.operands]
-            need, meant = self.needs[number] + spare, self.ranges[number]
+            need = self.needs[number] + spare - relief.get(number, 0)
+            meant = self.ranges[number]
             if node.kind == "input":
                 one = self.inputs[number]
                 step = Step("input", (), one.fraction_bits)
@@ -71,8 +109,10 @@ class Task:
                 places.append(build.product(operands[0], operands[1], need, meant))
             else:
                 places.append(build.sum(node.kind, operands[0], operands[1], need, meant))
+            if places[-1] in build.lacking:
+                lacking[number] = build.lacking[places[-1]]
         try:
-            return self._finished(build, places)
+            return Draft(*self._finished(build, places), lacking)
         except CheckError:
             return None
 
