@@ -42,6 +42,7 @@ def random_joint(seed: int) -> RandomJoint:
     if _some(drawn, 0.4):
         for _ in range(drawn.choice((1, 1, 2))):
             _spoil(drawn, document)
+    _wire(random.Random(f"wire {seed}"), document, beside)
     content = toml_text(document).encode("utf-8", "surrogatepass")
     if drawn.random() < 0.05:
         content = _damaged(drawn, content)
@@ -354,6 +355,29 @@ def _stated_loads(drawn: random.Random) -> Document:
     if _some(drawn, 0.2):
         loads["contacts"] = [{"at": drawn.choice((0.0, 0.01, 5.0)), "force": [1.0, 0.0, 0.0]}]
     return loads
+
+
+def _wire(drawn: random.Random, document: Document, beside: dict[str, bytes]) -> None:
+    """Keys of the bus and of a calibration, which depend on no other."""
+    if _some(drawn, 0.1):
+        document["calibration"] = drawn.choice(("c.toml", "nowhere.toml", "", 1))
+        beside["c.toml"] = drawn.choice((_CALIBRATION, *_ODD_FILES))
+    can = document.get("can")
+    if isinstance(can, dict) and _some(drawn, 0.4):
+        kinds = ("angles", "tip", "status", "health")
+        can["publish"] = drawn.sample(kinds, drawn.randint(0, 4))
+        can["commands"] = drawn.choice((True, False))
+
+
+_CALIBRATION = b"""format = 1
+joint = "finger"
+fingerprint = "0123456789abcdef"
+[[sensor]]
+name = "u0"
+metres_per_count = 2e-6
+zero = 12.5
+noise = 1e-5
+"""
 
 
 # Options

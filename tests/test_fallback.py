@@ -241,3 +241,45 @@ def test_the_only_sensor_that_sees_an_axis_loses_it():
     names = [sensor.name for sensor in fit.joint.sensors[own]]
     gone = [name for name, weights in zip(names, found, strict=True) if weights is None]
     assert gone == ["top"]
+
+
+NEARLY_EXACT = """\
+name = "leg"
+[geometry]
+segments = 8
+length = 1.242
+total_range_of_motion = 5.4384
+[sensors.transducer]
+bits = 32
+metres_per_count = 1.15e-08
+[shapes]
+fit_samples = 10
+score_samples = 1
+cases = ["s-shape", "end-force", "constant-curvature"]
+[fixed_point]
+precision = 32
+"""
+
+SPANS = (
+    (0.0, 0.04803, 0.0, 1.1161295133112692),
+    (90.0, 0.01373, 0.0, 1.242),
+    (180.0, 0.01724, 0.0, 1.242),
+    (63.46612034622143, 0.01088, 0.0, 1.242),
+    (-0.7926076862229934, 0.02179, 0.77625, 1.08675),
+    (-124.61398604416149, 0.02635, 0.77625, 1.242),
+    (90.0, 0.04044, 0.621, 0.6766015959721448),
+    (270.0, 0.0126, 0.15525, 0.77625),
+    (180.0, 0.01656, 0.621, 1.242),
+    (90.0, 0.03632, 0.0, 1.242),
+)
+
+
+def test_a_fallback_that_is_exact_to_rounding_settles():
+    listed = (
+        f'[[sensor]]\nname = "s{j}"\nangle = {angle}\nradius = {radius}\nspan_m = [{a}, {b}]\n'
+        for j, (angle, radius, a, b) in enumerate(SPANS)
+    )
+    fit = ccgen.fit(ccgen.parse(NEARLY_EXACT + "".join(listed)))
+    for axis in ("u", "v"):
+        for j in range(len(SPANS)):
+            assert np.isfinite(fit.fallback(axis, j, fit.whole.quick).matrix).all()

@@ -21,6 +21,8 @@ SHARES = tuple(0.25**k for k in range(1, 7))
 CHUNK = 1 << 17
 """Residuals worked on at once: few enough to stay in the processor's cache."""
 EPS = float(np.finfo(np.float64).eps)
+_ROUNDING = 4.0
+"""Units of rounding that a step is at least."""
 
 Product = Callable[[Floats, Floats], Floats]
 
@@ -187,7 +189,7 @@ def _improve(
     Newton's step converges quadratically near the minimum but may overshoot among outliers; where
     it lowers the loss by less than half of its promise, shares of it compete with the reweighted
     least-squares step, which majorises the loss and so never raises it. A problem rests once
-    Newton promises less than rounding, or nothing lowers its loss.
+    Newton promises less than rounding, or moves by no more, or nothing lowers its loss.
     """
     residuals = bases.residuals(at, targets)
     loss = bases.loss(residuals, f_scale)
@@ -195,7 +197,10 @@ def _improve(
     gradient = bases.along(residuals * reweight)
     step = bases.step(reweight**3, gradient)
     promise = 0.5 * _row_sums(gradient * step)
-    moving = promise > residuals.shape[-1] * EPS * loss
+    samples = residuals.shape[-1]
+    # Coordinates are projections of the targets: smaller steps are what rounding leaves of them.
+    rounding = _ROUNDING * EPS * np.sqrt(samples) * np.abs(targets).max(axis=1)
+    moving = (promise > samples * EPS * loss) & (np.abs(step).max(axis=-1) > rounding)
     whole = at - step
     # Where a step gains less than rounding, it still brings the coordinates to their last digits.
     kept = np.where(moving[..., None], at, whole)
