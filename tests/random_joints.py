@@ -396,7 +396,7 @@ def _placing(drawn: random.Random) -> list[str]:
     for share, word, values in (
         (0.5, "--sensors", ("1", "2", "3", "4", "8", "0")),
         (0.1, "--axis", ("u", "v")),
-        (0.1, "--objective", ("paper", "noise")),
+        (0.1, "--objective", ("paper", "angles", "tip")),
         (0.05, "--min-span", ("1", "2", "70")),
         (0.05, "--max-span", ("1", "5", "0")),
         (0.05, "--max-stacked", ("1", "2")),

@@ -9,6 +9,7 @@ import io
 import json
 import multiprocessing
 import re
+import resource
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -23,14 +24,16 @@ COMMANDS = ("fit", "simulate", "loads", "export", "place")
 SLOWEST = 20.0
 """Seconds of processor time that a run may take."""
 
-_HANGS = 300.0
-"""Seconds after which a run is ended, however busy the machine is."""
+_HANGS = 100
+"""Seconds of processor time after which a run is ended."""
 
 _QUICK = ["--enumerate", "300", "--starts", "2", "--individuals", "20", "--generations", "2"]
 
 _NO_NUMBER = re.compile(r"(?<![\w.])[-+]?(nan|inf|infinity)(?![\w.])", re.IGNORECASE)
 
-_OPTION = re.compile(r"error: ([uv]: )?(--|no placement|no span|the search|the layout|forbid)")
+_OPTION = re.compile(
+    r"error: ([uv]: )?(--|ccgen place: |no placement|no span|the search|the layout|forbid)"
+)
 """How an error begins that is one of options, and of no file."""
 
 _LONGEST_LINE = 1500
@@ -84,13 +87,11 @@ def _run(context: Any, folder: Path, seed: int, command: str) -> Run:
     process.start()
     sender.close()
     answer = None
-    if receiver.poll(_HANGS):
-        with contextlib.suppress(EOFError):
-            answer = receiver.recv()
-    process.kill()
+    with contextlib.suppress(EOFError):
+        answer = receiver.recv()
     process.join()
     if answer is None:
-        what = f"ended by itself or after {_HANGS:.0f} s, without a status"
+        what = f"ended without a status, or was ended after {_HANGS} s"
         return Run(seed, command, None, _HANGS, "", (what,))
     status, seconds, printed, said = answer
     faults = list(faults_of(status, printed, said, "--json" in words, here))
@@ -130,6 +131,7 @@ def _child(words: list[str], sender: Any) -> None:
     """Run ccgen, and send its status, its processor time and what it printed."""
     from ccgen.cli.main import main
 
+    resource.setrlimit(resource.RLIMIT_CPU, (_HANGS, _HANGS))
     printed, said = io.StringIO(), io.StringIO()
     start, status = time.process_time(), 0
     with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(said):

@@ -202,6 +202,14 @@ def test_a_joint_that_buckles_at_every_draw_is_refused_in_one_line():
     )
 
 
+def test_loads_under_which_hardly_any_draw_gives_a_shape_are_soon_given_up():
+    heavy = ranges(samples=4096, stiffness=0.003, mass=0.06, tip_moment=(0.0, 0.5))
+    drawn = shapes(heavy)
+    assert drawn.drawn == 256
+    assert 10 * len(drawn.shapes) < drawn.drawn
+    assert "of 256 draws" in shortfall(drawn, 4096)
+
+
 def test_fewer_shapes_than_wanted_are_told():
     drawn = loads_library(finger("samples = 30\nstiffness = 0.4\nmass = 3\n"))
     found = len(drawn.shapes)

@@ -52,23 +52,23 @@ def minimise(readings: Floats, targets: Floats, f_scale: Scale) -> Floats:
     no weight: among equally good minima this is the one of smallest norm.
 
     Args:
-        readings: shape (*batch, N samples, n sensors).
-        targets: shape (N, m segments), the same for the whole batch.
+        readings: shape (*stack, N samples, n sensors).
+        targets: shape (N, m segments), the same for the whole stack.
         f_scale: unit of the targets; a number, or one a sample. A sample of weight w is one whose
             readings, targets and scale are multiplied by the root of w.
 
     Returns:
-        Shape (*batch, m, n).
+        Shape (*stack, m, n).
 
     Raises:
         InputError: no convergence, because gross outliers outnumber the other samples.
     """
     samples, sensors = readings.shape[-2:]
-    batch = readings.reshape(-1, samples, sensors)
+    stack = readings.reshape(-1, samples, sensors)
     chunk = max(1, CHUNK // targets.size)
     weights = [
-        _minimise_chunk(batch[k : k + chunk], targets.T, f_scale)
-        for k in range(0, len(batch), chunk)
+        _minimise_chunk(stack[k : k + chunk], targets.T, f_scale)
+        for k in range(0, len(stack), chunk)
     ]
     return np.concatenate(weights).reshape(*readings.shape[:-2], targets.shape[1], sensors)
 
@@ -97,9 +97,9 @@ class Bases:
         self.vectors = vectors
         self.kept = kept
         self.product = product
-        batch, samples, k = vectors.shape
+        problems, samples, k = vectors.shape
         self.squares = (vectors[..., :, None] * vectors[..., None, :]).reshape(
-            batch, samples, k * k
+            problems, samples, k * k
         )
 
     def __getitem__(self, some: NDArray[np.bool_]) -> "Bases":
@@ -184,7 +184,7 @@ def descend(bases: Bases, targets: Floats, f_scale: Scale) -> Floats:
 def _improve(
     bases: Bases, at: Floats, targets: Floats, f_scale: Scale
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """One step for each problem, and which of the B batches still move.
+    """One step for each problem, and which of the B problems still move.
 
     Newton's step converges quadratically near the minimum but may overshoot among outliers; where
     it lowers the loss by less than half of its promise, shares of it compete with the reweighted

@@ -35,14 +35,14 @@ def wam(library: "ShapeLibrary", spans: AnySpans) -> Weights:
 
 
 def wam_matrix(angles: Floats, spans: SpansLike) -> Floats:
-    """WAM weights of one placement or of a batch, fast and good to rounding.
+    """WAM weights of one placement or of a stack of them, fast and good to rounding.
 
     Args:
         angles: shapes to fit, shape (N, m), radians.
-        spans: shape (n, 2) or (*batch, n, 2).
+        spans: shape (n, 2) or (*stack, n, 2).
 
     Returns:
-        Shape (m, n) or (*batch, m, n).
+        Shape (m, n) or (*stack, m, n).
     """
     return minimise(np.moveaxis(readings(angles, spans), 0, -2), angles, F_SCALE)
 

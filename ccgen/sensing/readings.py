@@ -40,10 +40,10 @@ def readings(angles: ArrayLike, spans: SpansLike) -> Floats:
 
     Args:
         angles: segment angles, shape (..., m), radians.
-        spans: shape (n, 2), or (*batch, n, 2) for a batch of placements; first and last segment.
+        spans: shape (n, 2), or (*stack, n, 2) for a stack of placements; first and last segment.
 
     Returns:
-        Shape (..., *batch, n), radians.
+        Shape (..., *stack, n), radians.
 
     Raises:
         InputError: a span is reversed, outside the joint or ends within a segment.

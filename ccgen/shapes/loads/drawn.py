@@ -27,6 +27,9 @@ ELEMENTS = 24
 _ATTEMPTS = 4
 """At most so many draws for each shape that is asked for."""
 
+_FIRST, _FEWEST = 256, 0.1
+"""Draws after which it is known what share of them gives a shape, and the share that is enough."""
+
 
 @dataclass(frozen=True, eq=False)
 class DrawnShapes:
@@ -54,6 +57,8 @@ def drawn_shapes(
 ) -> DrawnShapes:
     """Draw loads until there are as many shapes as the ranges ask for, or draws run out.
 
+    Where hardly any draw gives a shape there are no more than the first draws give.
+
     Args:
         ranges: what to draw from.
         sections: segments of each part that elongates by itself.
@@ -64,12 +69,18 @@ def drawn_shapes(
     draws = draw_loads(ranges, length, len(sections), most)
     bent: list[_Bent] = []
     drawn = found = 0
-    while found < ranges.samples and drawn < most:
-        some = np.arange(drawn, min(drawn + ranges.samples - found, most))
+    while found < ranges.samples and drawn < most and not _hopeless(found, drawn):
+        ahead = ranges.samples - found if drawn else min(ranges.samples, _FIRST)
+        some = np.arange(drawn, min(drawn + ahead, most))
         bent.append(_bend(draws.of(some), sections, length, range_of_motion))
         drawn += some.size
         found += int(bent[-1].valid.sum())
     return _gathered(draws, bent)
+
+
+def _hopeless(found: int, drawn: int) -> bool:
+    """Whether so few draws give a shape that more of them would take long and tell little."""
+    return drawn >= _FIRST and found < _FEWEST * drawn
 
 
 @dataclass(frozen=True, eq=False)
