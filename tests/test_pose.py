@@ -255,6 +255,7 @@ def test_every_core_gives_the_models_bits_within_a_budget(name, core, level, bud
     assert on_core(name, core, level, tmp_path) <= budget
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["shoulder", "spine"])
 def test_gappa_confirms_bounds_and_widths_of_a_segment(name):
     """Of one entry of X, of Z and of the chord; the others are computed alike."""
@@ -289,6 +290,7 @@ def test_angles_that_reach_too_far_are_refused():
         pose_model(PoseTask((2,), 0.1, 16, (12, 15), 3.0))
 
 
+@pytest.mark.slow
 def test_a_chain_that_is_too_long_for_its_precision_is_refused():
     with pytest.raises(FormatError) as caught:
         pose_model(PoseTask((64,), 0.1, 32, (30, 30), 1.9))
