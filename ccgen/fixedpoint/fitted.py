@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,14 +23,15 @@ from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.joint_checks import JointChecks, joint_checks
 from ccgen.fixedpoint.model import FixedPointModel, Floats
-from ccgen.fixedpoint.pose import PoseModel
-from ccgen.fixedpoint.pose_plan import pose_model, pose_task
 from ccgen.fixedpoint.serving import quantise_with_fallbacks
 from ccgen.joint import AXES, Joint, Sensor
 from ccgen.joint.units import unit_doubts
 from ccgen.sensing.noise import second_moment, told_noise
 from ccgen.shapes import Shapes, bent_alike, joined
 from ccgen.shapes.given import given_shapes, reach
+
+if TYPE_CHECKING:
+    from ccgen.fixedpoint.pose import PoseModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +68,14 @@ class Fit(FittedWeights):
         return quantise(self.sensed, self.weights, self._held)
 
     @cached_property
-    def poses(self) -> PoseModel:
+    def poses(self) -> "PoseModel":
         """Poses in integers, of the angles that `model` has.
 
         Raises:
             FormatError: as of `model`, or the angles reach too far for poses of 32 bits.
         """
+        from ccgen.fixedpoint.pose_plan import pose_model, pose_task
+
         return pose_model(pose_task(self.sensed, self.model, self._held))
 
     @cached_property

@@ -34,7 +34,7 @@ from ccgen.shapes import Shapes
 _FORMAT = 1
 _DIGITS = 12
 _SAMPLES = 8
-"""Shapes that are kept, for an exported folder's self-test."""
+"""Shapes that are kept for an exported folder's self-test, beside the farthest."""
 _SENSOR = ("metres_per_count", "zero", "noise", "gain_tolerance")
 """What is kept of a sensor."""
 
@@ -148,8 +148,8 @@ def _changed(kept: Mapping[str, str], now: Mapping[str, str]) -> str | None:
 
 def _record(fit: Fit) -> dict[str, Any]:
     guarded = fit.guarded
-    every = slice(None, None, max(1, len(fit.shapes) // _SAMPLES))
-    state = fit.shapes.state[every][:_SAMPLES]
+    rows = _some(fit.shapes.state)
+    state = fit.shapes.state[rows]
     return {
         "tool": "ccgen",
         "version": __version__,
@@ -168,7 +168,7 @@ def _record(fit: Fit) -> dict[str, Any]:
         "model": model_record(fit.model),
         "guarded": model_record(guarded.model) | guard_record(guarded),
         "shapes": _shortened(state).tolist(),
-        "source": list(fit.shapes.source[every][:_SAMPLES]),
+        "source": [fit.shapes.source[i] for i in rows],
         "errors": [row.record() for row in fit.errors],
         "without": [asdict(row) for row in fit.without],
         "standard_deviations": asdict(fit.standard_deviations),
@@ -177,6 +177,13 @@ def _record(fit: Fit) -> dict[str, Any]:
         "unchecked": list(fit.checks.notes),
         "warnings": list(fit.warnings),
     }
+
+
+def _some(state: Floats) -> list[int]:
+    """Rows to keep: some for an exported folder's self-test, and the farthest in every value."""
+    samples = range(0, len(state), max(1, len(state) // _SAMPLES))
+    farthest = np.abs(state).argmax(axis=0).tolist()
+    return sorted({*samples[:_SAMPLES], *farthest})
 
 
 def _fit(joint: Joint, record: dict[str, Any]) -> Fit:
