@@ -21,6 +21,13 @@ from typing import Literal, Protocol
 
 from ccgen.errors import InputError
 from ccgen.joint import Geometry, Joint
+from ccgen.joint.frames import (
+    SINGLE_FRAMES,
+    frame_bytes,
+    frames_for,
+    header_bytes,
+    values_per_frame,
+)
 from ccgen.joint.specification import OUTPUT_AXES, PUBLISHED
 
 Kind = Literal["lengths", "angles", "tip", "status", "health", "command"]
@@ -165,12 +172,12 @@ class FrameLayout:
     @property
     def frame_bytes(self) -> int:
         """Length of every frame."""
-        return 64 if self.fd else 8
+        return frame_bytes(self.fd)
 
     @property
     def header_bytes(self) -> int:
         """Bytes of the end-to-end header: 2 for P01, 3 for P05."""
-        return 3 if self.fd else 2
+        return header_bytes(self.fd)
 
     @property
     def counter_modulus(self) -> int:
@@ -225,22 +232,22 @@ class FrameLayout:
     @property
     def counts_per_frame(self) -> int:
         """Sensor counts that fit a LENGTHS frame."""
-        return (self.frame_bytes - self.header_bytes) // self.count_bytes
+        return values_per_frame(self.fd, self.count_bytes)
 
     @property
     def angles_per_frame(self) -> int:
         """Angles that fit an ANGLES frame."""
-        return (self.frame_bytes - self.header_bytes) // self.angle_bytes
+        return values_per_frame(self.fd, self.angle_bytes)
 
     @property
     def lengths_frames(self) -> int:
         """LENGTHS frames of a snapshot."""
-        return -(-len(self.sensors) // self.counts_per_frame)
+        return frames_for(len(self.sensors), self.fd, self.count_bytes)
 
     @property
     def angles_frames(self) -> int:
         """ANGLES frames of a snapshot."""
-        return -(-self.values // self.angles_per_frame)
+        return frames_for(self.values, self.fd, self.angle_bytes)
 
     @property
     def numbered_frames(self) -> int:
@@ -255,7 +262,7 @@ class FrameLayout:
     @property
     def last_id(self) -> int:
         """The highest identifier of the joint, that of its COMMAND frame."""
-        return self.base_id + self.lengths_frames + self.angles_frames + 3
+        return self.base_id + self.lengths_frames + self.angles_frames + SINGLE_FRAMES - 1
 
     @cached_property
     def frames(self) -> tuple[FrameSpec, ...]:

@@ -1,6 +1,5 @@
 """From the bytes of a joint file to a `Joint`, through TOML and the checked tables."""
 
-import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from ccgen.joint import listed, sensors, toml
 from ccgen.joint.axes import check_seen, output_axes, parts_of
 from ccgen.joint.calibration import calibrated
 from ccgen.joint.calibration_file import Calibrations, beside, parse_calibration
+from ccgen.joint.frames import SINGLE_FRAMES, frames_for
 from ccgen.joint.geometry import geometry_of
 from ccgen.joint.load_files import load_ranges
 from ccgen.joint.messages import KeyProblemError, first_problem, toml_value
@@ -34,9 +34,6 @@ _SOURCES = {
     "loads": "[loads]",
     "recordings": '[[recordings]] of use = "fit"',
 }
-
-_SINGLE_FRAMES = 4
-"""Tip, status, health and command, of which a joint has one each."""
 
 _KIND = toml.Kind("joint file", "`ccgen init NAME` writes one that works", "segments = 12")
 
@@ -254,13 +251,13 @@ def _fewest_frames(table: JointTable, joint: Joint) -> int:
 
     What counts of more than 24 bits need is known only with their range, in `ccgen.can.layout`.
     """
-    payload = 61 if table.can.fd else 6
     count_bytes, angle_bytes = (2, 2) if joint.precision == 16 else (3, 4)
     rows = {"u": joint.geometry.segments, "v": joint.geometry.segments}
     rows["h"] = len(joint.geometry.sections)
-    lengths = math.ceil(len(joint.sensors) / (payload // count_bytes))
-    angles = math.ceil(sum(rows[axis] for axis in joint.axes) / (payload // angle_bytes))
-    return lengths + angles + _SINGLE_FRAMES
+    fd = table.can.fd
+    lengths = frames_for(len(joint.sensors), fd, count_bytes)
+    angles = frames_for(sum(rows[axis] for axis in joint.axes), fd, angle_bytes)
+    return lengths + angles + SINGLE_FRAMES
 
 
 def _can(table: CanTable) -> Can:
