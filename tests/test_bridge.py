@@ -162,7 +162,7 @@ def test_errors_are_percent_of_the_range_of_motion(stream):
     assert stream.error_percent_rom(answer)["u"] < 0.2
     assert stream.error_percent_rom(off)["u"] == pytest.approx(step, rel=0.2)
     np.testing.assert_allclose(
-        stream.estimated_angles(answer.angles)["v"], stream.true_angles(7)["v"], atol=1e-3
+        stream.estimated_values(answer.angles)["v"], stream.true_values(7)["v"], atol=1e-3
     )
 
 

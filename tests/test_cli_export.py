@@ -52,21 +52,3 @@ def test_the_table_tells_formats_load_and_what_comes_next(tmp_path):
     said = " ".join(run(tmp_path, "cycle_ms = 20").stdout.split())
     assert "104 frames every 20 ms take at most 70 % of a bus at 1,000,000 bit/s" in said
     assert f"Next: ccgen verify {tmp_path / 'out'}" in said
-
-
-@pytest.mark.parametrize(
-    ("options", "key"),
-    [
-        ({"transducer": "zero = 5"}, "sensors.transducer.zero"),
-        ({"transducer": "gain_tolerance = 0.1"}, "sensors.transducer.gain_tolerance"),
-        ({"tables": '[estimator]\naxes = ["v"]'}, "estimator.axes"),
-        ({"radius": "[0.05, 0.05, 0.04]"}, "sensors.radius"),
-    ],
-)
-def test_what_the_c_does_not_know_yet_is_refused_in_one_line(tmp_path, options, key):
-    path = tmp_path / "trunk.toml"
-    path.write_text(joint_text(**options))
-    result = CliRunner().invoke(app, ["export", str(path), "-o", str(tmp_path / "out")])
-    assert result.exit_code == 2
-    assert f"{path}: {key}: cannot be exported yet" in result.stderr.replace("\n", " ")
-    assert not (tmp_path / "out").exists()

@@ -89,6 +89,10 @@ def render(arm: Arm) -> dict[str, str]:
         "name": "arm",
         "NAME": "ARM",
         "version": "1",
+        "axes": {
+            axis: {"axis": axis, "first_value": k * arm.segments} for k, axis in enumerate("uv")
+        },
+        "columns_said": "u, then v",
         "kinematics": kinematics_context(
             "arm", arm.segments, arm.h, arm.precision, arm.fraction_bits
         ),

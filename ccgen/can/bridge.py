@@ -6,7 +6,7 @@ from typing import Any
 
 import can
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ccgen.can.codec import Codec
 from ccgen.can.exchange import Answer, Exchange, Pace, exchange, fresh_start
@@ -33,8 +33,8 @@ class Stream:
         joint, model: of the exported folder.
         source: name of the motion.
         rate_hz: snapshots a second.
-        shapes: true segment angles.
-        counts: shape (k, nu + nv).
+        shapes: true states.
+        counts: shape (k, n).
     """
 
     joint: Joint
@@ -49,23 +49,27 @@ class Stream:
         """A tip coordinate of 1 m is 2^tip_fraction_bits on the bus."""
         return tip_fraction_bits(longest(self.joint.geometry))
 
-    def true_angles(self, index: int) -> dict[str, Floats]:
-        """Segment angles of a snapshot per axis, shape (m,), radians."""
-        return {"u": self.shapes.u[index], "v": self.shapes.v[index]}
+    def true_values(self, index: int | NDArray[np.bool_]) -> dict[str, Floats]:
+        """True values of snapshots by axis, shape (..., m): radians, shares of lengths."""
+        return {axis: getattr(self.shapes, axis)[index] for axis in self.model.axes}
 
-    def estimated_angles(self, raw: tuple[int, ...]) -> dict[str, Floats]:
-        """Raw angles of an answer per axis, shape (m,), radians."""
-        split = self.model.segments
+    def estimated_values(self, raw: ArrayLike) -> dict[str, Floats]:
+        """Raw values of answers by axis, shape (..., m): radians, shares of lengths."""
+        parts = self.model.split(np.asarray(raw, dtype=np.int64))
+        return {axis: self.model.axis(axis).radians(part) for axis, part in parts.items()}
+
+    def off_percent(self, raw: ArrayLike, index: int | NDArray[np.bool_]) -> dict[str, Floats]:
+        """How far each value of answers is off by axis: % of range (eq. 12); "h": of the length."""
+        estimated, true = self.estimated_values(raw), self.true_values(index)
+        units = dict.fromkeys(AXES, self.joint.geometry.range_of_motion) | {"h": 1.0}
         return {
-            "u": self.model.u.radians(raw[:split]),
-            "v": self.model.v.radians(raw[split:]),
+            axis: 100.0 / units[axis] * np.abs(estimated[axis] - true[axis]) for axis in estimated
         }
 
     def error_percent_rom(self, answer: Answer) -> dict[str, float]:
-        """Mean absolute error of an answer's segment angles per axis, % of range (eq. 12)."""
-        estimated, true = self.estimated_angles(answer.angles), self.true_angles(answer.index)
-        scale = 100.0 / self.joint.geometry.range_of_motion
-        return {a: scale * float(np.abs(estimated[a] - true[a]).mean()) for a in AXES}
+        """Mean absolute error of an answer's values by axis, as of `off_percent`."""
+        off = self.off_percent(answer.angles, answer.index)
+        return {axis: float(own.mean()) for axis, own in off.items()}
 
 
 def simulated_stream(
@@ -93,7 +97,7 @@ def simulated_stream(
 
 @dataclass(frozen=True)
 class AxisError:
-    """Error of the estimate against the true shape, % of the range of motion."""
+    """Error of the estimate against the true state, % of range; of "h" % of the length."""
 
     mean: float
     worst: float
@@ -188,14 +192,5 @@ def _summary(stream: Stream, transport: str, result: Exchange, own: int) -> Summ
 
 
 def _errors(stream: Stream, result: Exchange) -> dict[str, AxisError]:
-    split, answered = stream.model.segments, result.complete
-    scale = 100.0 / stream.joint.geometry.range_of_motion
-    errors = {}
-    for axis, raw, true in (
-        ("u", result.angles[:, :split], stream.shapes.u),
-        ("v", result.angles[:, split:], stream.shapes.v),
-    ):
-        estimated = stream.model.axis(axis).radians(raw[answered])
-        off = scale * np.abs(estimated - true[answered])
-        errors[axis] = AxisError(float(off.mean()), float(off.max()))
-    return errors
+    off = stream.off_percent(result.angles[result.complete], result.complete)
+    return {axis: AxisError(float(own.mean()), float(own.max())) for axis, own in off.items()}

@@ -164,6 +164,10 @@ def _node(
                 yield bus
 
 
+_OF = {"u": "range", "v": "range", "h": "length"}
+"""What errors of an axis are per cent of."""
+
+
 def _print(summary: "Summary") -> None:
     from rich.table import Table
 
@@ -174,7 +178,9 @@ def _print(summary: "Summary") -> None:
     table.add_row("reference model", f"{summary.mismatches} angles differ")
     table.add_row("faults", ", ".join(summary.faults) or "none")
     for axis, error in (summary.error_percent_rom or {}).items():
-        table.add_row(f"error of {axis}", f"{error.mean:.3f} % of range, worst {error.worst:.3f}")
+        table.add_row(
+            f"error of {axis}", f"{error.mean:.3f} % of {_OF[axis]}, worst {error.worst:.3f}"
+        )
     show_table(table)
 
 

@@ -13,7 +13,6 @@ from rich.table import Table
 from ccgen.can.bridge import Floats, Stream
 from ccgen.can.exchange import Answer
 from ccgen.cli.output import note, progress
-from ccgen.joint import AXES
 
 Show = Callable[[Answer], None]
 
@@ -53,9 +52,10 @@ def _every(interval: float, show: Callable[[Answer, float], None]) -> Show:
 
 def _line(stream: Stream, answer: Answer) -> str:
     errors = stream.error_percent_rom(answer)
+    said = ", ".join(f"{axis} {error:.3f}" for axis, error in errors.items())
     return (
-        f"snapshot {answer.index + 1} of {len(stream.counts)}: error "
-        f"u {errors['u']:.3f}, v {errors['v']:.3f} % of range, {answer.lost_frames} frames lost"
+        f"snapshot {answer.index + 1} of {len(stream.counts)}: error {said} % of range, "
+        f"{answer.lost_frames} frames lost"
     )
 
 
@@ -65,18 +65,27 @@ def _table(stream: Stream, where: str, answer: Answer, seconds: float) -> Group:
         table.add_column(column)
     table.add_column("error, % of range", justify="right")
     errors = stream.error_percent_rom(answer)
-    estimated, true = stream.estimated_angles(answer.angles), stream.true_angles(answer.index)
-    counts = np.split(stream.counts[answer.index], [stream.model.u.sensors])
-    largest = stream.joint.geometry.range_of_motion
-    for axis, axis_counts in zip(AXES, counts, strict=True):
+    estimated, true = stream.estimated_values(answer.angles), stream.true_values(answer.index)
+    counts, told = stream.counts[answer.index], set()
+    for axis, model in stream.model.axes.items():
+        # Axes that share their sensors tell the counts once.
+        own = [] if model.first in told else counts[model.part]
+        told.add(model.first)
         table.add_row(
             axis,
-            " ".join(f"{count:6d}" for count in axis_counts),
-            _bars(estimated[axis], largest),
-            _bars(true[axis], largest),
+            " ".join(f"{count:6d}" for count in own),
+            _drawn(stream, axis, estimated[axis]),
+            _drawn(stream, axis, true[axis]),
             f"{errors[axis]:.3f}",
         )
     return Group(table, _footer(stream, answer, seconds))
+
+
+def _drawn(stream: Stream, axis: str, values: Floats) -> str:
+    """Bends as bars; elongations in per cent."""
+    if axis == "h":
+        return " ".join(f"{100.0 * share:.2f} %" for share in values)
+    return _bars(values, stream.joint.geometry.range_of_motion)
 
 
 def _bars(angles: Floats, largest: float) -> str:

@@ -92,7 +92,7 @@ def _record(done: "Export", load: float) -> dict[str, Any]:
     return {
         "directory": str(done.directory),
         "files": list(done.files),
-        "fixed_point": {axis: _format(done.model.axis(axis)) for axis in ("u", "v")},
+        "fixed_point": {axis: _format(own) for axis, own in done.model.axes.items()},
         "bus_load_percent": load,
     }
 
@@ -111,16 +111,20 @@ def _format(axis: "AxisModel") -> dict[str, Any]:
 def _show(done: "Export", load: float, costs: "Sequence[Cost]") -> None:
     from rich.table import Table
 
-    table = Table("", "axis u", "axis v", box=None, pad_edge=False)
-    u, v = _format(done.model.u), _format(done.model.v)
+    axes = done.model.axes
+    table = Table("", *(f"axis {axis}" for axis in axes), box=None, pad_edge=False)
     for title, key, pattern in (
         ("fraction bits of an angle", "fraction_bits", "{}"),
         ("shift", "shift", "{}"),
         ("headroom, bits", "headroom_bits", "{}"),
-        ("added by fixed point, at most", "worst_error_percent_rom", "{:.2g} % of ROM"),
-        ("  RMS over the shapes", "rms_error_percent_rom", "{:.2g} % of ROM"),
+        ("added by fixed point, at most", "worst_error_percent_rom", "{:.2g} % of {}"),
+        ("  RMS over the shapes", "rms_error_percent_rom", "{:.2g} % of {}"),
     ):
-        table.add_row(title, pattern.format(u[key]), pattern.format(v[key]))
+        cells = (
+            pattern.format(_format(own)[key], "length" if axis == "h" else "ROM")
+            for axis, own in axes.items()
+        )
+        table.add_row(title, *cells)
     console = results()
     show_table(table)
     frames = done.layout.lengths_frames + done.layout.answer_frames

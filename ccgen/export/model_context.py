@@ -57,6 +57,7 @@ def model_context(fitted: Fit, layout: FrameLayout) -> dict[str, Any]:
         "angles_said": _angles_said(joint),
         "estimated_said": _estimated_said(joint),
         "mask_said": _mask_said(fields),
+        "columns_said": _columns_said(joint),
     }
 
 
@@ -69,6 +70,12 @@ def _angles_said(joint: Joint) -> str:
 def _estimated_said(joint: Joint) -> str:
     sections = " and the elongation of all sections" if "h" in joint.axes else ""
     return f"the angles of all segments{sections}"
+
+
+def _columns_said(joint: Joint) -> str:
+    first, *more = joint.axes
+    rest = [f"then {axis}{' of every section' if axis == 'h' else ''}" for axis in more]
+    return ", ".join([f"{first} of segment 0 to the last", *rest])
 
 
 def _mask_said(fields: Sequence[Field]) -> str:
@@ -236,7 +243,8 @@ def _axis_context(fitted: Fit, axis: AxisModel) -> dict[str, Any]:
 
 def _score(row: ErrorRow, axis: str) -> dict[str, Any]:
     """An error of the fit as the folder's README tells it; what is rounding alone is none."""
-    percent = row.mean_percent_rom[axis]
+    elongation = row.elongation_rms_percent or 0.0  # RMS, % of the length
+    percent = elongation if axis == "h" else row.mean_percent_rom[axis]
     return {
         "shapes": _SHAPES.get(row.source, f"{row.source} shapes"),
         "noise": row.noise,

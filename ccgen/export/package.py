@@ -1,7 +1,6 @@
 """The exported folder: every file of it rendered in memory, then written whole or not at all."""
 
 import hashlib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from ccgen.export.model_context import model_context
 from ccgen.export.selftest_context import selftest_context
 from ccgen.fixedpoint import Fit, FixedPointModel, fit, model_json
 from ccgen.fixedpoint.kept import Kept, inputs_of, kept_fit
-from ccgen.joint import AXES, Joint, Sensor
+from ccgen.joint import Joint
 from ccgen.joint.file import load, parse_joint
 from ccgen.outputs import new_folder
 
@@ -88,7 +87,7 @@ def export(
             holds files that are not ours.
     """
     joint = load(fitted) if isinstance(fitted, str | Path) else fitted
-    kept = None if isinstance(joint, Fit) else kept_fit(_expressible(joint))
+    kept = None if isinstance(joint, Fit) else kept_fit(_as_filed(joint))
     if isinstance(joint, Fit):
         whole = joint
     elif kept is not None and kept.fit is not None:
@@ -119,9 +118,8 @@ def render(fitted: Fit, kept: Kept | None = None) -> tuple[FrameLayout, dict[str
         fitted: what to export.
         kept: where it comes from.
     """
-    _expressible(fitted.joint)
+    _as_filed(fitted.joint)
     joint, model = fitted.sensed, fitted.model
-    _check_expressible(joint)
     layout = layout_for(joint, model.readings)
     runtime = runtime_files()
     values: dict[str, Any] = {
@@ -136,7 +134,8 @@ def render(fitted: Fit, kept: Kept | None = None) -> tuple[FrameLayout, dict[str
             joint.geometry.segments,
             joint.geometry.segment_length,
             joint.precision,
-            {a: model.axis(a).fraction_bits for a in AXES},
+            {axis: own.fraction_bits for axis, own in model.axes.items()},
+            joint.geometry.sections if "h" in model.axes else (),
         ),
         "runtime_sources": sorted(f for f in runtime if f.endswith(".c") and f.startswith("src/")),
         "joint_sources": [f"src/{joint.name}{part}.c" for part in ("", "_can", "_kinematics")],
@@ -175,9 +174,8 @@ def _is_stated(source: str) -> bool:
     return source in (CASES, LOADS) or source.startswith(RECORDING)
 
 
-def _expressible(joint: Joint) -> Joint:
-    """The joint, once it is clear that its file and the C can say what it is."""
-    _check_expressible(joint)
+def _as_filed(joint: Joint) -> Joint:
+    """The joint, once it is clear that its file says what it is."""
     try:
         stated = parse_joint(
             joint.content.decode("utf-8-sig"),
@@ -193,43 +191,6 @@ def _expressible(joint: Joint) -> Joint:
             "fitted",
         )
     return joint
-
-
-def _check_expressible(joint: Joint) -> None:
-    """Refuse what the C does not know yet: it has two bending axes, each with sensors of its own.
-
-    Raises:
-        InputError: names the key.
-    """
-    sets = (joint.u, joint.v)
-    counters = {key for sensor in joint.sensors for key in _uncounted(sensor)}
-    reasons = {
-        "sensor": joint.u is None and joint.v is None,
-        "geometry.elongation": joint.geometry.elongation is not None,
-        "estimator.axes": joint.axes != AXES,
-        "sensors.spans_m": any(s.start % 1 or s.end % 1 for s in joint.sensors),
-        "sensors.radius": any(one is not None and one.radius is None for one in sets),
-        "sensors.transducer": any(one is not None and one.transducer is None for one in sets),
-        **{f"sensors.transducer.{key}": True for key in sorted(counters)},
-    }
-    for key, applies in reasons.items():
-        if applies:
-            raise InputError(
-                f"{joint.source}: {key}: cannot be exported yet; export knows signed counts of two "
-                "sets of sensors, for bending without elongation"
-            )
-
-
-def _uncounted(sensor: Sensor) -> Iterator[str]:
-    """Keys of a transducer that the C does not know."""
-    if not sensor.signed:
-        yield "signed"
-    if sensor.zero is not None:
-        yield "zero"
-    if sensor.metres_per_count < 0:
-        yield "metres_per_count"
-    if sensor.gain_tolerance:
-        yield "gain_tolerance"
 
 
 def runtime_files() -> dict[str, bytes]:

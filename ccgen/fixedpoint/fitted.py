@@ -1,6 +1,7 @@
 """A fitted joint: its weights with all that follows from them, in floats and in integers."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -45,10 +46,22 @@ class Fit(FittedWeights):
         task: the sources of shapes that the weights were fitted to, and how much each counts.
     """
 
-    @property
+    @cached_property
     def sensors(self) -> tuple[Sensor, ...]:
-        """The joint's, with the gains and zeros that the estimate uses."""
-        return tuple(replace(sensor, zero=sensor.zero or 0) for sensor in self.sensed.sensors)
+        """The joint's, with the gains and zeros that the estimate uses.
+
+        A zero that nothing states is that of the model: 0, or where that leaves no counts for the
+        range of motion the middle of what does.
+        """
+        sensors = self.sensed.sensors
+        zeros = [0] * len(sensors)
+        if any(sensor.zero is None for sensor in sensors):
+            with suppress(FormatError):  # no format holds the joint: its zeros stay 0
+                zeros = self.model.readings.zero.tolist()
+        return tuple(
+            sensor if sensor.zero is not None else replace(sensor, zero=zero)
+            for sensor, zero in zip(sensors, zeros, strict=True)
+        )
 
     @cached_property
     def shapes(self) -> Shapes:

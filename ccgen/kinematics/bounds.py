@@ -35,42 +35,60 @@ class ErrorBounds:
 
     position: float  # metres, every segment's distal end
     rotation: float  # 1, every segment's distal end
-    linear: float  # metres per radian, every column of the tip Jacobian
+    linear: float  # metres per radian (h: per share), every column of the tip Jacobian
     angular: float  # 1, every column of the tip Jacobian
 
 
 def largest_angle(precision: int, fraction_bits: Mapping[str, int]) -> float:
-    """Full scale of the coarser of the axes' angle formats, radians."""
-    return 2.0 ** (precision - 1 - min(fraction_bits.values()))
+    """Full scale of the coarser of the bending axes' angle formats, radians."""
+    return max(_full_scale(precision, bits) for axis, bits in fraction_bits.items() if axis != "h")
 
 
-def error_bounds(segments: int, length: float, angle: float) -> ErrorBounds:
+def largest_elongation(precision: int, fraction_bits: Mapping[str, int]) -> float | None:
+    """Full scale of the elongation's format, share of the length; None where there is none."""
+    return _full_scale(precision, fraction_bits["h"]) if "h" in fraction_bits else None
+
+
+def _full_scale(precision: int, fraction_bits: int) -> float:
+    return float(2.0 ** (precision - 1 - fraction_bits))
+
+
+def error_bounds(
+    segments: int, length: float, angle: float, elongation: float | None = None
+) -> ErrorBounds:
     """Bounds on the errors of the generated poses and Jacobian.
+
+    A segment that elongates has the length h (1 + e), which costs three roundings.
 
     Args:
         segments: number of segments.
-        length: length of the whole joint's neutral axis, metres.
+        length: length of the whole joint's neutral axis at no elongation, metres.
         angle: largest magnitude that the angle format holds, radians.
+        elongation: the same of the elongation, share of the length; None where there is none.
     """
     local = _Local.of(angle)
+    length *= 1.0 + (elongation or 0.0)
     h = length / segments
+    stretch = 0.0 if elongation is None else 3.0
 
     def position(i: int) -> float:
         """Error after i segments: rotation so far, the step's own error, the running sum."""
-        return h * (local.frame * i * (i - 1) / 2 + i * (local.chord + 2) + i * (i + 1) / 2)
+        chord = local.chord + 2 + stretch
+        return h * (local.frame * i * (i - 1) / 2 + i * chord + i * (i + 1) / 2)
 
     def linear(i: int) -> float:
         """Error of segment i's columns: dp + w x (p_tip - p_end), the cross products apart."""
-        own = h * (local.linear + i * local.frame * local.linear_norm)
+        own = h * (local.linear + (i * local.frame + stretch) * local.linear_norm)
         turned = (i * local.frame + local.angular) * (segments - 1 - i) * h
         crossed = (1 + math.sqrt(2)) * (length + (i + 1) * h)
         return own + turned + crossed + 2 * (length + h) + position(i + 1) + position(segments)
 
+    # A column of elongation sums h q over a section: what a position does, and less.
     scale = _SECOND_ORDER * ROUNDING_UNIT
     return ErrorBounds(
         position=scale * position(segments),
         rotation=scale * segments * local.frame,
-        linear=scale * max(linear(i) for i in range(segments)),
+        linear=scale * max(position(segments), *(linear(i) for i in range(segments))),
         angular=scale * ((segments - 1) * local.frame + local.angular),
     )
 

@@ -52,11 +52,11 @@ def _degree(first: int, phi: float, factor: float) -> int:
     return degree
 
 
-def advance_function(h: float, degrees: Degrees) -> Any:
+def advance_function(h: float | None, degrees: Degrees) -> Any:
     """`casadi.Function` (rotation, position, u, v) -> (rotation, position) of one segment.
 
     Args:
-        h: length of the segment, metres.
+        h: length of the segment, metres; None for a further input, behind v.
         degrees: of the polynomials c and d.
     """
     import casadi
@@ -66,17 +66,22 @@ def advance_function(h: float, degrees: Degrees) -> Any:
         "advance",
         segment.inputs,
         [segment.rotation, segment.position],
-        ["rotation", "position", "u", "v"],
+        segment.names,
         ["distal_rotation", "distal_position"],
     )
 
 
-def columns_function(h: float, degrees: Degrees) -> Any:
+def columns_function(h: float | None, degrees: Degrees) -> Any:
     """`casadi.Function` of one segment's pose and its two columns of the Jacobian.
 
     (rotation, position, u, v) -> (rotation, position, column_u, column_v), where the linear part of
     a column is the velocity of the point of the moved body that is at the base's origin: adding
-    w x p_tip later gives the tip's, so that one pass suffices.
+    w x p_tip later gives the tip's, so that one pass suffices. Where the length is an input, the
+    chord of unit arc length in the base frame follows: the velocity of the distal end for a unit
+    rate of the length.
+
+    Args:
+        h, degrees: as of `advance_function`.
     """
     import casadi
 
@@ -85,12 +90,13 @@ def columns_function(h: float, degrees: Degrees) -> Any:
         casadi.vertcat(linear - casadi.cross(angular, segment.position), angular)
         for linear, angular in segment.velocities
     ]
+    chords = {"chord": segment.chord} if h is None else {}
     return casadi.Function(
         "advance_with_columns",
         segment.inputs,
-        [segment.rotation, segment.position, *columns],
-        ["rotation", "position", "u", "v"],
-        ["distal_rotation", "distal_position", "column_u", "column_v"],
+        [segment.rotation, segment.position, *columns, *chords.values()],
+        segment.names,
+        ["distal_rotation", "distal_position", "column_u", "column_v", *chords],
     )
 
 
@@ -99,16 +105,22 @@ class _Segment:
     """SX graphs of one segment, from its proximal frame to its distal one."""
 
     inputs: list[Any]
+    names: list[str]
     rotation: Any
     position: Any
     velocities: list[tuple[Any, Any]]  # (dp, w) for u and v in the base frame
+    chord: Any  # of unit arc length
 
     @classmethod
-    def of(cls, h: float, degrees: Degrees) -> "_Segment":
+    def of(cls, length: float | None, degrees: Degrees) -> "_Segment":
         import casadi
 
         frame, position = casadi.SX.sym("rotation", 3, 3), casadi.SX.sym("position", 3)
         u, v = casadi.SX.sym("u"), casadi.SX.sym("v")
+        h: Any = casadi.SX.sym("h") if length is None else length
+        inputs: dict[str, Any] = {"rotation": frame, "position": position, "u": u, "v": v}
+        if length is None:
+            inputs["h"] = h
         x, y, z = casadi.horzsplit(frame)
         square = u * u + v * v
         c = _polynomial(3, degrees.c, square)
@@ -119,10 +131,12 @@ class _Segment:
         g = c * n + b * z
         k = (2 * d - c) * n + (c - b) * z  # from da/du = u (c - b), db/du = u (2 d - c)
         return cls(
-            inputs=[frame, position, u, v],
+            inputs=list(inputs.values()),
+            names=list(inputs),
             rotation=casadi.horzcat(x - v * q, y + u * q, a * n + (1 - square * b) * z),
             position=position + h * q,
             velocities=[(h * (u * k - b * y), x - v * g), (h * (v * k + b * x), y + u * g)],
+            chord=q,
         )
 
 

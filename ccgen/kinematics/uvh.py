@@ -26,6 +26,7 @@ Angles are in radians, lengths in metres; leading dimensions broadcast.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -91,13 +92,13 @@ def tip_pose(u: ArrayLike, v: ArrayLike, h: ArrayLike) -> Array:
     return chain(u, v, h)[..., -1, :, :]
 
 
-def tip_jacobian(u: ArrayLike, v: ArrayLike, h: float) -> Array:
+def tip_jacobian(u: ArrayLike, v: ArrayLike, h: ArrayLike) -> Array:
     """Geometric Jacobian of the tip in the base frame.
 
     Args:
         u: bending about x, shape (..., m), radians.
         v: bending about y, shape (..., m), radians.
-        h: length of one segment, metres.
+        h: length of a segment, a number or shape (..., m), metres.
 
     Returns:
         Shape (..., 6, 2m): rows vx, vy, vz (metres per radian), wx, wy, wz (1); columns
@@ -105,15 +106,35 @@ def tip_jacobian(u: ArrayLike, v: ArrayLike, h: float) -> Array:
     """
     u, v = _pair(u, v)
     poses = chain(u, v, h)
-    proximal = np.empty((*poses.shape[:-2], 3, 3))
-    proximal[..., 0, :, :] = np.eye(3)
-    proximal[..., 1:, :, :] = poses[..., :-1, :3, :3]
-    linear, angular = _segment_velocities(u, v, h)
+    proximal = _proximal(poses)
+    linear, angular = _segment_velocities(u, v, np.asarray(h, dtype=np.float64)[..., None, None])
     angular = proximal @ angular
     lever = (poses[..., -1:, :3, 3] - poses[..., :3, 3])[..., None]
     linear = proximal @ linear + np.cross(angular, lever, axis=-2)
     columns = np.concatenate((linear, angular), axis=-2)  # (..., m, 6, 2)
     return np.moveaxis(columns, -3, -1).reshape(*u.shape[:-1], 6, 2 * u.shape[-1])
+
+
+def elongation_columns(u: ArrayLike, v: ArrayLike, h: float, sections: Sequence[int]) -> Array:
+    """Velocity of the tip for unit rates of the elongation of each section; nothing turns.
+
+    Args:
+        u: bending about x, shape (..., m), radians.
+        v: bending about y, shape (..., m), radians.
+        h: length of a segment at no elongation, metres.
+        sections: segments of each section from the base.
+
+    Returns:
+        Shape (..., 6, number of sections): rows as of `tip_jacobian`, metres per share of the
+        length, wx, wy, wz 0.
+    """
+    u, v = _pair(u, v)
+    a, b = sinc(u, v)
+    chord = h * np.stack((b * v, -b * u, a), axis=-1)[..., None]
+    linear = (_proximal(chain(u, v, h)) @ chord)[..., 0]  # elongation turns no frame
+    starts = np.cumsum([0, *sections[:-1]])
+    columns = np.swapaxes(np.add.reduceat(linear, starts, axis=-2), -1, -2)
+    return np.concatenate((columns, np.zeros_like(columns)), axis=-2)
 
 
 def tendon_length(
@@ -135,7 +156,15 @@ def tendon_length(
     return np.asarray(h + radius * (u * np.sin(alpha) - v * np.cos(alpha)))
 
 
-def _segment_velocities(u: Array, v: Array, h: float) -> tuple[Array, Array]:
+def _proximal(poses: Array) -> Array:
+    """Rotations of the proximal frames of all segments, shape (..., m, 3, 3)."""
+    rotations = np.empty((*poses.shape[:-2], 3, 3))
+    rotations[..., 0, :, :] = np.eye(3)
+    rotations[..., 1:, :, :] = poses[..., :-1, :3, :3]
+    return rotations
+
+
+def _segment_velocities(u: Array, v: Array, h: Array | float) -> tuple[Array, Array]:
     """Velocities of a segment's distal end for unit rates of u and v, in its proximal frame.
 
     The angular part is the left Jacobian of the rotation vector (u, v, 0), the linear part

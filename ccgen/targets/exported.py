@@ -12,9 +12,9 @@ from ccgen.errors import InputError
 from ccgen.export.manifest import changed_files, read_manifest
 from ccgen.export.package import CALIBRATION_END
 from ccgen.fixedpoint import FixedPointModel, load_model
-from ccgen.joint import AXES, Joint
+from ccgen.joint import Joint
 from ccgen.joint.file import read_joint
-from ccgen.kinematics.bounds import ErrorBounds, error_bounds, largest_angle
+from ccgen.kinematics.bounds import ErrorBounds, error_bounds, largest_angle, largest_elongation
 
 if TYPE_CHECKING:
     from ccgen.can.codec import Codec
@@ -57,9 +57,10 @@ class Exported:
     def pose_bounds(self) -> ErrorBounds:
         """How far single-precision poses may lie from double precision."""
         geometry = self.joint.geometry
-        fraction_bits = {axis: self.model.axis(axis).fraction_bits for axis in AXES}
+        fraction_bits = {axis: own.fraction_bits for axis, own in self.model.axes.items()}
         angle = largest_angle(self.model.precision, fraction_bits)
-        return error_bounds(geometry.segments, geometry.length, angle)
+        elongation = largest_elongation(self.model.precision, fraction_bits)
+        return error_bounds(geometry.segments, geometry.length, angle, elongation)
 
 
 def open_exported(directory: Path) -> Exported:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.sensing.counts import corner_counts, counts, random_counts
-from ccgen.shapes import fit_library, unstretched
+from ccgen.shapes import Shapes, fit_library
 from ccgen.targets.exported import Exported
 
 Integers = NDArray[np.int64]
@@ -27,6 +27,15 @@ def bus_counts(exported: Exported, snapshots: int, seed: int) -> Integers:
 
 
 def shape_counts(exported: Exported) -> Integers:
-    """Counts of the shape library, the v axis bent by each shape's mirror image."""
-    angles = fit_library(exported.joint).angles
-    return counts(exported.joint, exported.model.groups, unstretched(angles, -angles[::-1]))
+    """Counts of the shape library, the v axis bent by each shape's mirror image.
+
+    An axis that is not estimated does not bend; sections stretch from their shortest to longest.
+    """
+    joint, angles = exported.joint, fit_library(exported.joint).angles
+    bends = {"u": angles, "v": -angles[::-1]}
+    u, v = (bends[axis] if axis in joint.axes else np.zeros_like(angles) for axis in bends)
+    low, high = joint.geometry.elongation or (0.0, 0.0)
+    stretch = np.linspace(low, high, len(angles))[:, None]
+    h = np.broadcast_to(stretch, (len(angles), len(joint.geometry.sections)))
+    around = [group.around() for group in exported.model.groups]
+    return counts(joint, around, Shapes(u, v, h, ("cases",) * len(angles)))

@@ -11,7 +11,7 @@ from ccgen.sensing.counts import corner_counts, random_counts
 from ccgen.targets.exported import Exported
 from ccgen.targets.inputs import shape_counts
 from ccgen.targets.library import JointLibrary
-from ccgen.verify.compare import angles_in_radians
+from ccgen.verify.compare import states_of, tip_jacobians
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 
@@ -37,7 +37,7 @@ class _Excess:
 
 def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, report: Progress) -> Run:
     """Compare counts and zeros over the full declared range, then poses and Jacobians."""
-    total = plan.batch_snapshots(exported.model.segments)
+    total = plan.batch_snapshots(exported.model.values)
     compared = wrong = 0
     started = time.monotonic()
     for block, first in enumerate(range(0, total, BLOCK)):
@@ -85,12 +85,10 @@ def _wrong_angles(exported: Exported, library: JointLibrary, seed: int, size: in
 def _kinematic_errors(exported: Exported, library: JointLibrary) -> list[_Excess]:
     """Largest errors against double precision: positions first, then rotations and Jacobians."""
     angles = _pose_angles(exported)
-    u, v = angles_in_radians(exported, angles)
-    h = exported.joint.geometry.segment_length
-    poses = kinematics.chain(u, v, h)
+    poses = kinematics.chain(*states_of(exported, angles))
     poses = np.concatenate([poses, poses[:, -1:]], axis=1)
     positions, rotations = library.poses(angles)
-    error = library.jacobians(angles) - kinematics.tip_jacobian(u, v, h)
+    error = library.jacobians(angles) - tip_jacobians(exported, angles)
     bounds = exported.pose_bounds
     return [
         _Excess("position", _largest(positions - poses[..., :3, 3], (-1,)), bounds.position),
@@ -103,7 +101,7 @@ def _kinematic_errors(exported: Exported, library: JointLibrary) -> list[_Excess
 def _pose_angles(exported: Exported) -> Integers:
     """Shapes of the library, and angles drawn over the whole format."""
     shapes = exported.model.estimate(shape_counts(exported))[: POSES // 2]
-    limit = exported.model.u.angle_limit
+    limit = next(iter(exported.model.axes.values())).angle_limit
     random = np.random.default_rng(0)
     drawn = random.integers(-limit, limit, (POSES - len(shapes), shapes.shape[1]), endpoint=True)
     return np.concatenate([shapes, drawn])

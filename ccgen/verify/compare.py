@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ccgen import kinematics
 from ccgen.can.exchange import Exchange
+from ccgen.sensing.simulation import segment_lengths
 from ccgen.targets.exported import Exported
 from ccgen.verify.run import Run
 
@@ -24,7 +25,7 @@ def compare_exchange(
     Args:
         exported: the folder, with its reference model.
         target, transport: for the record.
-        counts: shape (k, nu + nv), what was sent.
+        counts: shape (k, n), what was sent.
         answers: what came back.
     """
     right = exported.model.estimate(counts)
@@ -57,17 +58,36 @@ def _note(exported: Exported, answers: Exchange) -> str:
     return "; ".join(filter(None, (other, damaged, gone)))
 
 
-def angles_in_radians(exported: Exported, angles: Integers) -> tuple[Floats, Floats]:
-    """Both axes of integer angles, shape (k, 2 m), in rad; each (k, m)."""
-    m = exported.model.segments
-    return exported.model.u.radians(angles[:, :m]), exported.model.v.radians(angles[:, m:])
+def states_of(exported: Exported, values: Integers) -> tuple[Floats, Floats, Floats]:
+    """Bends (rad) and lengths (m) of all segments, each (k, m), from integer values of all axes.
+
+    A bend that is not estimated is none, as in the C.
+    """
+    model, geometry = exported.model, exported.joint.geometry
+    parts = {axis: model.axis(axis).radians(own) for axis, own in model.split(values).items()}
+    straight = np.zeros((len(values), geometry.segments))
+    rest = np.zeros((len(values), len(geometry.sections)))
+    lengths = segment_lengths(exported.joint, parts.get("h", rest))
+    return parts.get("u", straight), parts.get("v", straight), lengths
 
 
-def tip_positions(exported: Exported, angles: Integers) -> Floats:
-    """Tip positions in double precision, metres; (k, 2 m) integer angles to (k, 3)."""
-    h = exported.joint.geometry.segment_length
+def tip_positions(exported: Exported, values: Integers) -> Floats:
+    """Tip positions in double precision, metres; integer values of all axes to (k, 3)."""
     positions = [np.zeros((0, 3))]
-    for first in range(0, len(angles), _BLOCK):
-        u, v = angles_in_radians(exported, angles[first : first + _BLOCK])
-        positions.append(kinematics.tip_pose(u, v, h)[:, :3, 3])
+    for first in range(0, len(values), _BLOCK):
+        poses = kinematics.tip_pose(*states_of(exported, values[first : first + _BLOCK]))
+        positions.append(poses[:, :3, 3])
     return np.concatenate(positions)
+
+
+def tip_jacobians(exported: Exported, values: Integers) -> Floats:
+    """Tip Jacobians in double precision, a column a value; to (k, 6, values)."""
+    u, v, lengths = states_of(exported, values)
+    geometry, bends = exported.joint.geometry, kinematics.tip_jacobian(u, v, lengths)
+    m = geometry.segments
+    columns = {
+        "u": bends[..., :m],
+        "v": bends[..., m:],
+        "h": kinematics.elongation_columns(u, v, geometry.segment_length, geometry.sections),
+    }
+    return np.concatenate([columns[axis] for axis in exported.model.axes], axis=-1)

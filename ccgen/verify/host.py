@@ -36,7 +36,7 @@ def verify_host(exported: Exported, plan: Plan, report: Progress, level: str = L
     Raises:
         ToolError: no compiler, or it does not accept the folder.
     """
-    counts = bus_counts(exported, plan.bus_snapshots(exported.model.segments), plan.seed)
+    counts = bus_counts(exported, plan.bus_snapshots(exported.model.values), plan.seed)
     runs = []
     with tempfile.TemporaryDirectory(prefix="ccgen-") as folder:
         shared = compile_shared(exported.directory, Path(folder), level)

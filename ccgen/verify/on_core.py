@@ -128,7 +128,7 @@ def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed)
         printed: by the firmware.
     """
     blocks = _blocks(exported, plan)
-    angles = BLOCK * 2 * exported.model.segments
+    angles = BLOCK * exported.model.values
     wrong = sum(
         printed.checksums.get(seed) != _checksum(exported, seed) for seed in _seeds(plan, blocks)
     )
@@ -155,16 +155,16 @@ def pose_angles(exported: Exported, seed: int) -> NDArray[np.int64]:
     """Angles that the firmware draws for its poses, over the full range of their type.
 
     Returns:
-        Shape (POSES, 2 m), u then v.
+        Shape (POSES, values), u, v, then h.
     """
     model = exported.model
-    drawn = vectors.draws(seed & 0xFFFFFFFF, POSES * 2 * model.segments).astype(np.int64)
+    drawn = vectors.draws(seed & 0xFFFFFFFF, POSES * model.values).astype(np.int64)
     signed = (drawn ^ 2**31) - 2**31
-    return (signed >> (32 - model.precision)).reshape(POSES, 2 * model.segments)
+    return (signed >> (32 - model.precision)).reshape(POSES, model.values)
 
 
 def _blocks(exported: Exported, plan: Plan) -> int:
-    return math.ceil(plan.batch_snapshots(exported.model.segments) / BLOCK)
+    return math.ceil(plan.batch_snapshots(exported.model.values) / BLOCK)
 
 
 def _seeds(plan: Plan, blocks: int) -> list[int]:

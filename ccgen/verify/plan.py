@@ -25,15 +25,15 @@ class Plan:
     values: int = LEAST_VALUES
     seed: int = 0
 
-    def bus_snapshots(self, segments: int) -> int:
-        """Snapshots over each bus, each of which yields two angles a segment."""
+    def bus_snapshots(self, values: int) -> int:
+        """Snapshots over each bus, each of which yields so many values."""
         if self.snapshots is not None:
             return self.snapshots
-        return max(LEAST_SNAPSHOTS, math.ceil(LEAST_VALUES / (2 * segments)))
+        return max(LEAST_SNAPSHOTS, math.ceil(LEAST_VALUES / values))
 
-    def batch_snapshots(self, segments: int) -> int:
-        """Snapshots in batches."""
-        return math.ceil(self.values / (2 * segments))
+    def batch_snapshots(self, values: int) -> int:
+        """Snapshots in batches, each of which yields so many values."""
+        return math.ceil(self.values / values)
 
 
 def silent(what: str, done: int, total: int) -> None:

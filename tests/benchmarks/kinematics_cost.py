@@ -117,7 +117,11 @@ class Cost:
 def exported(segments: int, caller: str) -> str:
     """The exported C."""
     context = kinematics_context("arm", segments, SEGMENT_LENGTH, 16, FRACTION_BITS)
-    values = {"name": "arm", "NAME": "ARM", "version": "", "kinematics": context}
+    axes = {axis: {"axis": axis, "first_value": k * segments} for k, axis in enumerate("uv")}
+    values = {
+        "name": "arm", "NAME": "ARM", "version": "", "kinematics": context, "axes": axes,
+        "columns_said": "",
+    }  # fmt: skip
     header, source = (
         resources.template(f"kinematics.{ending}.j2").render(values) for ending in "hc"
     )
