@@ -74,7 +74,7 @@ def with_shift_at_run_time(case: Case) -> str:
 def test_a_shift_that_is_read_at_run_time_gives_the_same_bits_on_cortex_m0(level, tmp_path):
     some = [case for case in (*CASES, *RAMPS) if case.model.precision == 16]
     source = tmp_path / "late.c"
-    include = '#include "ccgen/estimator16.h"\n'
+    include = '#include "ccgen/estimator16.h"\n#include "ccgen/sensors16.h"\n'
     source.write_text(include + "".join(map(with_shift_at_run_time, some)) + BUFFERS)
     program = build(source, "cortex-m0", level, tmp_path, [case.name for case in some])
     for case in some[::4] if level == "-O0" else some:
