@@ -24,7 +24,8 @@ from ccgen.export.package import export
 from ccgen.targets.host import compile_process
 
 SHOULDER = Path(__file__).resolve().parent.parent / "examples" / "shoulder.toml"
-LAYOUT = FrameLayout("shoulder", 0x300, False, False, 3, 3, 12, 2, 2, 10, 17)
+SENSORS = ("u0", "u1", "u2", "v0", "v1", "v2")
+LAYOUT = FrameLayout("shoulder", 0x300, False, False, SENSORS, (12, 12, 0), 2, 2, 10, 17)
 
 
 def ccgen(*words: str) -> int:

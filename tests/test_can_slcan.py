@@ -19,7 +19,8 @@ from ccgen.can.transports.process import process_node
 from ccgen.can.transports.slcan import BlockSlcanBus
 from ccgen.errors import InputError, ToolError
 
-LAYOUT = FrameLayout("shoulder", 0x300, False, False, 3, 3, 12, 2, 2, 10, 17)
+SENSORS = ("u0", "u1", "u2", "v0", "v1", "v2")
+LAYOUT = FrameLayout("shoulder", 0x300, False, False, SENSORS, (12, 12, 0), 2, 2, 10, 17)
 
 ECHO = """
 import os

@@ -50,7 +50,8 @@ def test_parts_are_what_the_linker_put_into_the_program(shoulder, target, tmp_pa
     assert total.code == sections[".text"] - symbols.get("main", 0) - start_up_bytes(core, tmp_path)
     inputs = symbols["cost_counts"] + symbols["cost_frames"]
     padding = sections[".data" if target == "avr" else ".rodata"] - inputs - total.constants
-    assert 0 <= padding <= (32 if target == "host" else 3), "before the harness's inputs"
+    # On the host the linker lays each object's tables on a boundary of up to 32 bytes.
+    assert 0 <= padding <= (64 if target == "host" else 3), "before the harness's inputs"
     assert total.variables == 0
     linked = {f"shoulder_{name}" for name in ("capture_zero", "estimate", "tip_pose")}
     assert linked <= set(symbols)

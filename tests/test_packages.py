@@ -38,9 +38,9 @@ int main(void) {
     ccgen_frame_t frame;
     if (shoulder_node_init(&shoulder) != CCGEN_OK || wrist_node_init(&wrist) != CCGEN_OK) return 1;
     if (shoulder_node_transmit(&shoulder, 1000000u, &frame) != 1) return 2;
-    if (frame.id != SHOULDER_ID_STATUS || wrist_node_receive(&wrist, &frame, 0u) != 0) return 3;
+    if (frame.id != SHOULDER_ID_HEALTH || wrist_node_receive(&wrist, &frame, 0u) != 0) return 3;
     if (wrist_node_transmit(&wrist, 1000000u, &frame) != 1) return 4;
-    if (frame.id != WRIST_ID_STATUS || shoulder_node_receive(&shoulder, &frame, 0u) != 0) return 5;
+    if (frame.id != WRIST_ID_HEALTH || shoulder_node_receive(&shoulder, &frame, 0u) != 0) return 5;
     return 0;
 }
 """

@@ -218,10 +218,12 @@ static int transmit(const ccgen_layout_t *const layout, ccgen_node_t *const node
     (void)ccgen_snapshot_tick(layout, &node->snapshot, now_us);
     settle(layout, node);
     skip_unpublished(layout, node);
+    /* Kept while answers go first, for the clock may come round meanwhile. */
+    node->health.due = ccgen_health_due(layout, &node->health, node->snapshot.now_us);
     if (node->next <= ccgen_layout_status_index(layout)) {
         return transmit_answer(layout, node, angles, frame);
     }
-    if (ccgen_health_due(layout, &node->health, node->snapshot.now_us)) {
+    if (node->health.due) {
         return transmit_health(layout, node, frame);
     }
     if ((layout->publish & CCGEN_PUBLISH_STATUS) == 0u) {

@@ -92,14 +92,20 @@ def instructions(folder: Exported, core: str) -> float:
     return times.estimate / (2 * folder.joint.geometry.segments)
 
 
+KEEPING = ("zero", "restore_zero", "restore_model", "check_zero")
+"""Functions that read a zero out, check it and take it back: no part of a program without them."""
+
+
 def footprint(folder: Exported, core: str) -> Footprint:
-    """Of the estimator, constants apart."""
+    """Of the estimator and the capture of its zero; constants and the keeping of zeros apart."""
     name = folder.joint.name
     with tempfile.TemporaryDirectory() as place:
         compiled = compile_measured(folder, core_named(core), Path(place))
         command = ["arm-none-eabi-size", "-A", str(Path(place) / f"{name}.o")]
         listing = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-        sections = (line.split() for line in listing.splitlines() if line.startswith(".text"))
+        kept = {f".text.{name}_{function}" for function in KEEPING}
+        lines = (line.split() for line in listing.splitlines() if line.startswith(".text"))
+        sections = [words for words in lines if words[0] not in kept]
         functions, frames = read_disassembly(compiled.disassembly), read_frames(Path(place))
         stack, _ = worst_case(f"{name}_estimate", functions, frames)
         return Footprint(code=sum(int(words[1]) for words in sections), stack=stack)
