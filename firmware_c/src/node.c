@@ -218,7 +218,11 @@ static int transmit(const ccgen_layout_t *const layout, ccgen_node_t *const node
     (void)ccgen_snapshot_tick(layout, &node->snapshot, now_us);
     settle(layout, node);
     skip_unpublished(layout, node);
-    /* Kept while answers go first, for the clock may come round meanwhile. */
+    /* Both stay due while other frames go first, for the clock may come round meanwhile. */
+    const uint32_t overdue_us = 2u * layout->cycle_us;
+    if ((uint32_t)(node->snapshot.now_us - node->status_us) > overdue_us) {
+        node->status_us = node->snapshot.now_us - overdue_us;
+    }
     node->health.due = ccgen_health_due(layout, &node->health, node->snapshot.now_us);
     if (node->next <= ccgen_layout_status_index(layout)) {
         return transmit_answer(layout, node, angles, frame);
