@@ -9,6 +9,7 @@ import typer
 from ccgen import __version__
 from ccgen.cli.bridge import bridge
 from ccgen.cli.calibrate import calibrate
+from ccgen.cli.check import check
 from ccgen.cli.cost import cost
 from ccgen.cli.export import export
 from ccgen.cli.failures import Debug, in_one_line, say, unforeseen
@@ -34,6 +35,7 @@ app.command()(in_one_line(simulate))
 app.command()(in_one_line(fit))
 app.command()(in_one_line(calibrate))
 app.command()(in_one_line(export))
+app.command()(in_one_line(check))
 app.command()(in_one_line(verify))
 app.command()(in_one_line(cost))
 app.command()(in_one_line(bridge))

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from dataclasses import dataclass
 from pathlib import Path
 
 from ccgen import FORMAT_VERSION, __version__
@@ -9,6 +10,23 @@ from ccgen.errors import InputError
 from ccgen.outputs import write_file
 
 FILE_NAME = "manifest.json"
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What ccgen noted of a folder that it wrote.
+
+    Attributes:
+        joint: name of the joint.
+        format: version of what generator and C runtime agree on.
+        inputs: SHA-256 of what the folder was made from, by name.
+        files: SHA-256 of what was written, by path below the folder.
+    """
+
+    joint: str
+    format: int
+    inputs: dict[str, str]
+    files: dict[str, str]
 
 
 def manifest_json(name: str, inputs: dict[str, str], files: dict[str, bytes]) -> str:
@@ -30,8 +48,8 @@ def manifest_json(name: str, inputs: dict[str, str], files: dict[str, bytes]) ->
     return json.dumps(record, indent=1) + "\n"
 
 
-def read_manifest(directory: Path) -> dict[str, str]:
-    """Fingerprints by path of the files that ccgen wrote into a folder.
+def read_manifest(directory: Path) -> Manifest:
+    """What ccgen noted of a folder.
 
     Raises:
         InputError: there is no manifest, or it is not one of ccgen's.
@@ -39,16 +57,26 @@ def read_manifest(directory: Path) -> dict[str, str]:
     path = directory / FILE_NAME
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
-        files = record["files"]
-        if record["tool"] != "ccgen" or not isinstance(files, dict):
+        if record["tool"] != "ccgen":
             raise ValueError("not written by ccgen")
-        return {str(file): str(digest) for file, digest in files.items()}
+        return Manifest(
+            joint=str(record["joint"]),
+            format=int(record["format"]),
+            inputs=_texts(record["inputs"]),
+            files=_texts(record["files"]),
+        )
     except OSError as error:
         raise InputError(
             f"{path}: {error.strerror}; name a folder that `ccgen export` wrote"
         ) from error
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: damaged ({error}); export the joint again") from error
+
+
+def _texts(record: object) -> dict[str, str]:
+    if not isinstance(record, dict):
+        raise TypeError("a list of files is none")
+    return {str(name): str(digest) for name, digest in record.items()}
 
 
 def replace_file(directory: Path, path: str, content: bytes) -> None:
@@ -73,7 +101,7 @@ def foreign_files(directory: Path) -> list[str]:
         if not file.is_dir() or file.is_symlink()
     )
     try:
-        known = {*read_manifest(directory), FILE_NAME}
+        known = {*read_manifest(directory).files, FILE_NAME}
     except InputError:
         known = set()
     return [file for file in present if file not in known]
@@ -83,7 +111,7 @@ def changed_files(directory: Path) -> list[str]:
     """Listed files that are gone or differ from what was written."""
     return [
         file
-        for file, digest in read_manifest(directory).items()
+        for file, digest in read_manifest(directory).files.items()
         if not (directory / file).is_file()
         or hashlib.sha256((directory / file).read_bytes()).hexdigest() != digest
     ]

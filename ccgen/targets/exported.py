@@ -69,7 +69,7 @@ def open_exported(directory: Path) -> Exported:
     Raises:
         InputError: it is none, or a file in it is damaged.
     """
-    files = read_manifest(directory)
+    files = read_manifest(directory).files
     joint = read_joint(directory / "joint.toml", lambda _: _calibration(directory, files))
     model = load_model(directory / "model.json")
     if not _is_model_of(joint, model):
