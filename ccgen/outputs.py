@@ -30,7 +30,7 @@ def write_file(path: Path, data: bytes) -> None:
     path = _resolved(path)
     if path.exists() and not path.is_file():
         raise InputError(f"{path}: is not a file; choose another name")
-    with _parent(path), _interruptible(), _beside(path) as temporary, _explained(path.parent):
+    with _parent(path), interruptible(), _beside(path) as temporary, _explained(path.parent):
         temporary.write_bytes(data)
         temporary.replace(path)
 
@@ -53,13 +53,13 @@ def new_folder(path: Path, is_ours: Callable[[Path], bool]) -> Iterator[Path]:
     path = _resolved(path)
     _check_replaceable(path, is_ours)
     if path.is_dir() and _stays(path):
-        with _interruptible(), tempfile.TemporaryDirectory(prefix="ccgen-") as apart:
+        with interruptible(), tempfile.TemporaryDirectory(prefix="ccgen-") as apart:
             yield Path(apart)
             _check_replaceable(path, is_ours)
             with _explained(path):
                 _refill(path, Path(apart))
         return
-    with _parent(path), _interruptible(), _beside(path) as temporary:
+    with _parent(path), interruptible(), _beside(path) as temporary:
         with _explained(path.parent):
             temporary.mkdir()
         yield temporary
@@ -196,7 +196,7 @@ def _explained(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _interruptible() -> Iterator[None]:
+def interruptible() -> Iterator[None]:
     """Let SIGTERM end the program by way of the clean-up, where nobody else handles it."""
     ours = (
         threading.current_thread() is threading.main_thread()

@@ -16,7 +16,6 @@ from ccgen.can.bridge import simulated_stream
 from ccgen.can.exchange import Answer
 from ccgen.can.transports.library import library_node
 from ccgen.cli import bridge_display
-from ccgen.cli.bridge import Source
 from ccgen.cli.main import main
 from ccgen.export.package import export
 from ccgen.shapes import score_library
@@ -137,12 +136,6 @@ def test_a_folder_that_is_no_export_is_bad_input(tmp_path, capsys):
 def test_a_path_that_is_nothing_is_bad_input(tmp_path, capsys):
     assert ccgen("bridge", str(tmp_path / "finger.toml")) == 2
     assert "finger.toml: no such folder or joint file; `ccgen init" in capsys.readouterr().err
-
-
-def test_the_options_know_every_source():
-    from ccgen.sensing.motion import SOURCES
-
-    assert tuple(Source) == SOURCES
 
 
 def test_the_load_cases_are_followed_as_closely_as_the_fit_promises(stream):

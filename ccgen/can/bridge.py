@@ -1,7 +1,7 @@
-"""Simulated lengths to a node and its estimates back, compared with the true shape."""
+"""Lengths to a node and its estimates back, compared with the model and with the true shape."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import can
@@ -11,7 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from ccgen.can.codec import Codec
 from ccgen.can.exchange import Answer, Exchange, Pace, exchange, fresh_start
 from ccgen.can.fingerprint import fingerprint
-from ccgen.can.layout import FAULTS, longest, tip_fraction_bits
+from ccgen.can.layout import FAULTS, FrameLayout, longest, tip_fraction_bits
+from ccgen.can.logs import Log
+from ccgen.can.reference import reference_values
+from ccgen.can.replay import Replay
 from ccgen.errors import InputError
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.joint import AXES, Joint
@@ -31,18 +34,22 @@ class Stream:
 
     Attributes:
         joint, model: of the exported folder.
-        source: name of the motion.
-        rate_hz: snapshots a second.
-        shapes: true states.
+        source: name of the motion, or the file that is sent again.
+        rate_hz: snapshots a second; None for as fast as answers come, or at `times`.
+        shapes: true states; None where nobody knows them.
         counts: shape (k, n).
+        times: when snapshots are sent, seconds from the first, shape (k,); None for `rate_hz`.
+        first: number of the first snapshot; None for one that the bus has not just seen.
     """
 
     joint: Joint
     model: FixedPointModel
     source: str
-    rate_hz: float
-    shapes: Shapes
+    rate_hz: float | None
+    shapes: Shapes | None
     counts: NDArray[np.int64]
+    times: Floats | None = None
+    first: int | None = None
 
     @property
     def tip_fraction_bits(self) -> int:
@@ -50,7 +57,12 @@ class Stream:
         return tip_fraction_bits(longest(self.joint.geometry))
 
     def true_values(self, index: int | NDArray[np.bool_]) -> dict[str, Floats]:
-        """True values of snapshots by axis, shape (..., m): radians, shares of lengths."""
+        """True values of snapshots by axis, shape (..., m): radians, shares of lengths.
+
+        Empty where nobody knows them.
+        """
+        if self.shapes is None:
+            return {}
         return {axis: getattr(self.shapes, axis)[index] for axis in self.model.axes}
 
     def estimated_values(self, raw: ArrayLike) -> dict[str, Floats]:
@@ -62,9 +74,7 @@ class Stream:
         """How far each value of answers is off by axis: % of range (eq. 12); "h": of the length."""
         estimated, true = self.estimated_values(raw), self.true_values(index)
         units = dict.fromkeys(AXES, self.joint.geometry.range_of_motion) | {"h": 1.0}
-        return {
-            axis: 100.0 / units[axis] * np.abs(estimated[axis] - true[axis]) for axis in estimated
-        }
+        return {axis: 100.0 / units[axis] * np.abs(estimated[axis] - true[axis]) for axis in true}
 
     def error_percent_rom(self, answer: Answer) -> dict[str, float]:
         """Mean absolute error of an answer's values by axis, as of `off_percent`."""
@@ -95,6 +105,21 @@ def simulated_stream(
     return Stream(joint, model, source, rate_hz, shapes, counts)
 
 
+def replayed_stream(
+    joint: Joint, model: FixedPointModel, source: str, replay: Replay, in_time: bool
+) -> Stream:
+    """Prepare the snapshots of a file.
+
+    Args:
+        joint, model: of the exported folder.
+        source: how the file is told.
+        replay: what it holds.
+        in_time: whether they are sent at the file's times; else as fast as answers come.
+    """
+    times = replay.times if in_time else None
+    return Stream(joint, model, source, None, None, replay.counts, times, replay.first)
+
+
 @dataclass(frozen=True)
 class AxisError:
     """Error of the estimate against the true state, % of range; of "h" % of the length."""
@@ -115,7 +140,8 @@ class Summary:
         lost_frames, corrupted, unexpected: as of `Exchange`.
         mismatches: angles that differ from the integer reference model.
         faults: names of the faults that the node reported.
-        error_percent_rom: per axis, over the answered snapshots; None without any.
+        error_percent_rom: per axis, over the answered snapshots; None without any, or without true
+            shapes.
         gone: as of `Exchange`.
         stranger: what tells that the node is of another model; empty where it is not.
     """
@@ -152,10 +178,19 @@ def bridge(
     stream: Stream,
     transport: str,
     on_answer: Callable[[Answer], None] | None = None,
+    log: Log | None = None,
 ) -> Summary:
     """Send a stream at its rate and sum up what came back.
 
-    A sender that ran before on this bus may have been another: see `fresh_start`.
+    A sender that ran before on this bus may have been another: see `fresh_start`. What is sent
+    again has the numbers that it had, after silence for the widest window that a node may have.
+
+    Args:
+        bus: the host's end.
+        codec: of the joint.
+        stream: what is sent.
+        transport: how the bus is told.
+        on_answer, log: as of `exchange`.
 
     Raises:
         InputError: the joint does not publish its angles.
@@ -165,15 +200,20 @@ def bridge(
             f'{stream.joint.source}: can.publish: leaves out "angles", which bridge compares; '
             "publish them"
         )
-    pace = fresh_start(codec.layout, Pace(rate_hz=stream.rate_hz))
-    result = exchange(bus, codec, stream.counts, pace, on_answer)
+    result = exchange(bus, codec, stream.counts, _pace(stream, codec.layout), on_answer, log)
     own = fingerprint(stream.model, codec.layout) & 0xFFFF
     return _summary(stream, transport, result, own)
 
 
+def _pace(stream: Stream, layout: FrameLayout) -> Pace:
+    times = None if stream.times is None else stream.times.tolist()
+    pace = fresh_start(layout, Pace(rate_hz=stream.rate_hz, times=times))
+    return pace if stream.first is None else replace(pace, first=stream.first % layout.numbers)
+
+
 def _summary(stream: Stream, transport: str, result: Exchange, own: int) -> Summary:
     answered = result.complete
-    wanted = stream.model.estimate(stream.counts[answered])
+    wanted = reference_values(stream.model, stream.counts[answered])
     return Summary(
         source=stream.source,
         transport=transport,
@@ -185,7 +225,7 @@ def _summary(stream: Stream, transport: str, result: Exchange, own: int) -> Summ
         unexpected=result.unexpected,
         mismatches=int(np.count_nonzero(result.angles[answered] != wanted)),
         faults=tuple(name for bit, name in enumerate(FAULTS) if result.faults >> bit & 1),
-        error_percent_rom=_errors(stream, result) if answered.any() else None,
+        error_percent_rom=_errors(stream, result) if answered.any() and stream.shapes else None,
         gone=result.gone,
         stranger=result.stranger(own),
     )

@@ -12,7 +12,7 @@ not just seen; `fresh_number` gives one.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from operator import or_
@@ -24,6 +24,8 @@ from numpy.typing import NDArray
 from ccgen.can.answers import CountedStream, PendingAnswer
 from ccgen.can.codec import Codec, Health, Status, health_of, status_of
 from ccgen.can.layout import FrameLayout
+from ccgen.can.logs import Log, stamped
+from ccgen.can.transports import gone_because
 from ccgen.can.transports.slcan import BlockSlcanBus
 from ccgen.errors import InputError
 
@@ -44,6 +46,7 @@ class Pace:
 
     Attributes:
         rate_hz: snapshots a second; None for as fast as answers come.
+        times: when each snapshot is sent, seconds from the first, shape (k,); instead of a rate.
         in_flight: snapshots that wait for their answer at the same time, fewer than there are
             numbers.
         timeout: seconds until an answer's missing frames are lost.
@@ -56,6 +59,7 @@ class Pace:
     timeout: float = 5.0
     first: int = 0
     silence: float | None = None
+    times: Sequence[float] | None = None
 
 
 @dataclass(frozen=True)
@@ -152,6 +156,7 @@ def exchange(
     counts: Integers,
     pace: Pace | None = None,
     on_answer: OnAnswer | None = None,
+    log: Log | None = None,
 ) -> Exchange:
     """Send every snapshot and collect the answers; returns in bounded time, whatever comes.
 
@@ -161,6 +166,7 @@ def exchange(
         counts: shape (k, n).
         pace: rate, bound on snapshots in flight, time-out.
         on_answer: called with each answer when it is complete.
+        log: takes down every frame, sent and received, with the machine's time.
 
     Raises:
         InputError: the joint publishes neither angles nor tip.
@@ -171,7 +177,7 @@ def exchange(
         raise InputError(
             'can.publish: without "angles" or "tip" a node answers no snapshot; publish one of them'
         )
-    run = _Run(bus, codec, counts, pace or Pace(), on_answer)
+    run = _Run(bus, codec, counts, pace or Pace(), on_answer, log)
     run.listen_for_status()
     run.stream()
     run.wait_for_last_status()
@@ -186,12 +192,13 @@ class _Run:
         counts: Integers,
         pace: Pace,
         on_answer: OnAnswer | None,
+        log: Log | None,
     ) -> None:
         layout = codec.layout
         if not 1 <= pace.in_flight < layout.numbers:
             raise ValueError(f"{pace.in_flight} in flight; 1 to {layout.numbers - 1} work")
         self.bus, self.codec, self.layout = bus, codec, layout
-        self.pace, self.on_answer = pace, on_answer
+        self.pace, self.on_answer, self.log = pace, on_answer, log
         self.counts: list[list[int]] = counts.tolist()
         self.angles = np.zeros((len(self.counts), layout.values), dtype=np.int64)
         self.tips = np.zeros((len(self.counts), 3), dtype=np.int64)
@@ -292,6 +299,8 @@ class _Run:
         return self.sent < len(self.counts) and len(self.pending) < self.pace.in_flight
 
     def _due(self) -> float:
+        if self.pace.times is not None:
+            return self.begin + self.pace.times[self.sent]
         return self.begin + (self.sent / self.pace.rate_hz if self.pace.rate_hz else 0.0)
 
     def _patience(self, now: float) -> float:
@@ -316,13 +325,19 @@ class _Run:
                     self.bus.send(frame, timeout=self.pace.timeout)
         except (can.CanError, OSError):
             return  # the frames of the answer will not come: that is where the loss is counted
+        if self.log is not None:
+            for frame in frames:
+                frame.is_rx = False
+                self.log(stamped(frame))
 
     def _receive(self, timeout: float) -> None:
         try:
             message = self.bus.recv(timeout)
         except (can.CanError, OSError) as error:
-            self.gone = _reason(error)  # nothing more will come
+            self.gone = gone_because(error)  # nothing more will come
             return
+        if message is not None and self.log is not None:
+            self.log(stamped(message))
         decoded = self.codec.decode(message) if message is not None else None
         if decoded is None or decoded.kind in ("lengths", "command"):
             return
@@ -369,11 +384,3 @@ class _Run:
             if now - oldest.sent <= self.pace.timeout:
                 return
             self._close(oldest)
-
-
-def _reason(error: Exception) -> str:
-    """Why nothing can be received any more, on one line, with the system's own reason."""
-    causes = [error, *filter(None, (error.__cause__, error.__context__))]
-    reasons = [str(getattr(cause, "strerror", None) or cause) for cause in causes]
-    words = dict.fromkeys(" ".join(reason.split()) for reason in reasons if reason)
-    return ": ".join(words) or type(error).__name__

@@ -1,30 +1,24 @@
-"""`ccgen bridge`: simulated lengths to a node, its estimates back, live."""
+"""`ccgen bridge`: lengths to a node, its estimates back, live."""
 
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ccgen.cli.output import print_json, show_table
+from ccgen.cli.choices import Speed
+from ccgen.cli.folders import opened
+from ccgen.cli.output import print_json, show_table, warn
 from ccgen.errors import BusError, CheckError, InputError
 
 if TYPE_CHECKING:
     import can
 
-    from ccgen.can.bridge import Summary
+    from ccgen.can.bridge import Stream, Summary
+    from ccgen.can.replay import Replay
     from ccgen.targets.exported import Exported
-
-
-class Source(StrEnum):
-    """The simulated motions, `ccgen.sensing.motion.SOURCES`."""
-
-    CASES = "cases"
-    RANDOM = "random"
-    SWEEP = "sweep"
 
 
 def bridge(
@@ -54,12 +48,21 @@ def bridge(
             help="Run the node on an emulated microcontroller, such as cortex-m4, over its UART.",
         ),
     ] = None,
-    source: Annotated[Source, typer.Option("--source", help="What moves the joint.")] = (
-        Source.CASES
-    ),
+    source: Annotated[
+        str,
+        typer.Option(
+            "--source",
+            metavar="MOTION|FILE",
+            help="What moves the joint: cases, random, sweep, or the counts of a file, a log of "
+            "the bus (.log, .asc, .blf, .csv) or a recording's CSV.",
+        ),
+    ] = "cases",
     seconds: Annotated[
-        float, typer.Option("--seconds", min=0.0, help="How long to stream.")
-    ] = 10.0,
+        float | None,
+        typer.Option(
+            "--seconds", min=0.0, help="How long to stream.  [default: 10, or the whole file]"
+        ),
+    ] = None,
     rate: Annotated[
         float | None,
         typer.Option(
@@ -67,40 +70,48 @@ def bridge(
             metavar="HZ",
             min=0.1,
             max=100_000.0,
-            help="Snapshots a second.  [default: one a cycle]",
+            help="Snapshots a second of a motion.  [default: one a cycle]",
+        ),
+    ] = None,
+    speed: Annotated[
+        Speed | None,
+        typer.Option(
+            "--speed",
+            help="Send a file at its own times, or as fast as answers come.  [default: 1]",
+        ),
+    ] = None,
+    log: Annotated[
+        Path | None,
+        typer.Option(
+            "--log", metavar="FILE", help="Log every frame: .log (candump), .asc, .blf or .csv."
         ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Stream simulated sensor lengths to a node and compare its estimates with the true shape.
+    """Stream sensor lengths to a node; compare its estimates with the model and the true shape.
 
-    A lost frame or an angle that differs from the reference model ends with status 1.
+    A log is sent again with the numbers that its snapshots had. A lost frame or an angle that
+    differs from the reference model ends with status 1.
 
     \b
     Example:
       ccgen bridge firmware --source random --seconds 60
       ccgen bridge shoulder.toml --target cortex-m4
       ccgen bridge firmware --interface socketcan --channel can0
+      ccgen bridge firmware --log run.blf
+      ccgen bridge firmware --source run.blf --speed max
     """
     if target is not None and (channel is not None or interface != "virtual"):
         raise InputError("--target: the emulated node has its own line; leave out the bus options")
     from ccgen.can import bridge as stage
     from ccgen.cli.bridge_display import display
-    from ccgen.shapes import score_library
+    from ccgen.cli.logged import open_log
 
-    with _exported(path) as exported:
-        rate_hz = rate or 1000.0 / exported.joint.can.cycle_ms
-        stream = stage.simulated_stream(
-            exported.joint,
-            exported.model,
-            score_library(exported.joint),
-            source.value,
-            seconds,
-            rate_hz,
-        )
+    with opened(path) as exported, open_log(log, source) as taken:
+        stream = _stream(exported, source, seconds, rate, speed)
         where = target or (f"{interface} {channel}" if channel else interface)
         with _node(exported, interface, channel, target) as bus, display(stream, where) as show:
-            summary = stage.bridge(bus, exported.codec, stream, where, show)
+            summary = stage.bridge(bus, exported.codec, stream, where, show, taken)
     if json:
         print_json(summary.record())
     else:
@@ -114,23 +125,47 @@ def bridge(
         raise CheckError(_failure(summary))
 
 
-@contextmanager
-def _exported(path: Path) -> Iterator["Exported"]:
-    """Open an exported folder, or export a joint's file into one that goes away again."""
-    from ccgen.targets.exported import open_exported
+def _stream(
+    exported: "Exported",
+    source: str,
+    seconds: float | None,
+    rate: float | None,
+    speed: Speed | None,
+) -> "Stream":
+    """Prepare a simulated motion, or what a file holds."""
+    from ccgen.can import bridge as stage
+    from ccgen.sensing.motion import SOURCES
+    from ccgen.shapes import score_library
 
-    if not path.exists():
-        raise InputError(
-            f"{path}: no such folder or joint file; `ccgen init NAME` writes a joint file"
-        )
-    if path.is_dir():
-        yield open_exported(path)
-        return
-    from ccgen.export.package import export
+    joint, model = exported.joint, exported.model
+    if source in SOURCES:
+        if speed is not None:
+            raise InputError(f"--speed: is for files; {source} takes --rate")
+        rate_hz = rate or 1000.0 / joint.can.cycle_ms
+        library = score_library(joint)
+        length = 10.0 if seconds is None else seconds
+        return stage.simulated_stream(joint, model, library, source, length, rate_hz)
+    if rate is not None:
+        raise InputError("--rate: is for motions; a file takes --speed 1 or --speed max")
+    if not Path(source).exists():
+        raise InputError(f"--source: {source} is neither a file nor one of {', '.join(SOURCES)}")
+    replay = _replay(exported, Path(source)).until(seconds)
+    warn(replay.notes)
+    return stage.replayed_stream(joint, model, source, replay, speed is not Speed.MAX)
 
-    with tempfile.TemporaryDirectory() as folder:
-        export(path, Path(folder) / "joint")
-        yield open_exported(Path(folder) / "joint")
+
+def _replay(exported: "Exported", source: Path) -> "Replay":
+    from ccgen.can.logs import LOGS
+    from ccgen.can.replay import logged_counts, recorded_counts
+    from ccgen.recordings.counts import read_counts
+    from ccgen.recordings.log_files import is_frame_table, read_frames
+
+    ending = source.suffix.lower()
+    if ending in LOGS and (ending != ".csv" or is_frame_table(source)):
+        frames = read_frames(source)
+        return logged_counts(frames, exported.codec, exported.fingerprint, source)
+    times, counts = read_counts(source, exported.joint)
+    return recorded_counts(times, counts, exported.layout, source)
 
 
 @contextmanager

@@ -53,17 +53,20 @@ def _every(interval: float, show: Callable[[Answer, float], None]) -> Show:
 def _line(stream: Stream, answer: Answer) -> str:
     errors = stream.error_percent_rom(answer)
     said = ", ".join(f"{axis} {error:.3f}" for axis, error in errors.items())
+    error = f"error {said} % of range, " if said else ""
     return (
-        f"snapshot {answer.index + 1} of {len(stream.counts)}: error {said} % of range, "
+        f"snapshot {answer.index + 1} of {len(stream.counts)}: {error}"
         f"{answer.lost_frames} frames lost"
     )
 
 
 def _table(stream: Stream, where: str, answer: Answer, seconds: float) -> Group:
     table = Table(title=f"{stream.joint.name} on {where}: {stream.source}")
-    for column in ("axis", "counts", "estimate", "true shape"):
+    for column in ("axis", "counts", "estimate"):
         table.add_column(column)
-    table.add_column("error, % of range", justify="right")
+    if stream.shapes is not None:
+        table.add_column("true shape")
+        table.add_column("error, % of range", justify="right")
     errors = stream.error_percent_rom(answer)
     estimated, true = stream.estimated_values(answer.angles), stream.true_values(answer.index)
     counts, told = stream.counts[answer.index], set()
@@ -71,12 +74,12 @@ def _table(stream: Stream, where: str, answer: Answer, seconds: float) -> Group:
         # Axes that share their sensors tell the counts once.
         own = [] if model.first in told else counts[model.part]
         told.add(model.first)
+        known = [_drawn(stream, axis, true[axis]), f"{errors[axis]:.3f}"] if true else []
         table.add_row(
             axis,
             " ".join(f"{count:6d}" for count in own),
             _drawn(stream, axis, estimated[axis]),
-            _drawn(stream, axis, true[axis]),
-            f"{errors[axis]:.3f}",
+            *known,
         )
     return Group(table, _footer(stream, answer, seconds))
 

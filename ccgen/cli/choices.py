@@ -52,3 +52,10 @@ class Method(StrEnum):
     WAM = "wam"
     NOISE_AWARE = "noise-aware"
     WAM_PAPER_CALL = "wam-paper-call"
+
+
+class Speed(StrEnum):
+    """How fast a file is read or sent: at its own times, or as fast as it goes."""
+
+    LIKE = "1"
+    MAX = "max"

@@ -8,21 +8,19 @@ a frame comes again.
 
 import math
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.e2e import P01, P05, Profile, ProtectionError
 from ccgen.errors import InputError
+from ccgen.recordings.log_files import read_frames
 from ccgen.recordings.table import read_bytes
-
-if TYPE_CHECKING:
-    import can
 
 Floats = NDArray[np.float64]
 
@@ -119,7 +117,7 @@ def read_can_log(path: Path, dbc: Path, sensors: Sequence[str]) -> CanLog:
     hashes = sha256(log_data).hexdigest(), sha256(dbc_data).hexdigest()
     frames = _frames(_database(dbc_data, dbc), dbc, sensors)
     samples, damaged, start = _Samples(len(sensors)), 0, None
-    for message in _messages(path):
+    for message in read_frames(path):
         start = message.timestamp if start is None else start
         frame = frames.get((message.arbitration_id, message.is_extended_id))
         if frame is None or message.is_remote_frame or message.is_error_frame:
@@ -148,19 +146,6 @@ def read_can_log(path: Path, dbc: Path, sensors: Sequence[str]) -> CanLog:
             f"{path}: time runs back after {t[back[0]]:.6f} s; export the log in order of time"
         )
     return CanLog(t, np.array(samples.counts).reshape(len(t), len(sensors)), damaged, hashes)
-
-
-def _messages(path: Path) -> "Iterator[can.Message]":
-    import can
-
-    try:
-        with can.LogReader(path) as log:
-            yield from log
-    except Exception as error:  # readers of four formats raise whatever a damaged file leads to
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(
-            f"{path}: cannot be read as a CAN log ({reason}); record it again"
-        ) from None
 
 
 def _frames(database: Any, dbc: Path, sensors: Sequence[str]) -> dict[tuple[int, bool], _Frame]:

@@ -18,3 +18,11 @@ def not_run(program: Path, error: OSError) -> str:
     if not forbidden:
         return reason
     return f"{reason}: no program may run there; set TMPDIR to a folder where programs may"
+
+
+def gone_because(error: Exception) -> str:
+    """Why nothing can be received any more, on one line, with the system's own reason."""
+    causes = [error, *filter(None, (error.__cause__, error.__context__))]
+    reasons = [str(getattr(cause, "strerror", None) or cause) for cause in causes]
+    words = dict.fromkeys(" ".join(reason.split()) for reason in reasons if reason)
+    return ": ".join(words) or type(error).__name__
