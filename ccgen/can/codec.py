@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
+from typing import Literal, cast
 
 import can
 import cantools
@@ -35,6 +35,19 @@ class Decoded:
     index: int
     number: int
     values: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """A frame under one of the joint's identifiers that failed its checks.
+
+    Attributes:
+        kind: which sort of frame its identifier is of.
+        reason: as the keys of `Codec.errors`; "remote" for a request, which is nobody's data.
+    """
+
+    kind: Kind
+    reason: Literal["crc", "format", "remote"]
 
 
 @dataclass(frozen=True)
@@ -144,19 +157,32 @@ class Codec:
         Returns:
             None for a frame that is not the joint's, or that is refused and counted.
         """
+        found = self.examine(message)
+        if isinstance(found, Refused):
+            if found.reason != "remote":
+                self.errors[found.reason] += 1
+            return None
+        return found
+
+    def examine(self, message: can.Message) -> Decoded | Refused | None:
+        """Check and decode one frame, and say what is wrong with it; counts nothing.
+
+        Returns:
+            None for a frame that is not the joint's.
+        """
         entry = self._entries.get(message.arbitration_id)
         if entry is None or message.is_extended_id != self.layout.extended:
             return None
-        if message.is_remote_frame or message.is_error_frame:
-            return None  # a request, or the bus itself: nobody's data
+        if message.is_error_frame:
+            return None  # the bus itself
+        if message.is_remote_frame:
+            return Refused(entry.spec.kind, "remote")
         if not self._well_formed(message):
-            self.errors["format"] += 1
-            return None
+            return Refused(entry.spec.kind, "format")
         try:
             counter = self._profile.check(entry.spec.data_id, message.data)
         except ProtectionError as error:
-            self.errors[error.kind] += 1
-            return None
+            return Refused(entry.spec.kind, error.kind)
         signals = entry.message.decode_simple(
             bytes(message.data), decode_choices=False, scaling=False
         )

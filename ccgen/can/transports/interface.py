@@ -19,7 +19,11 @@ _CHANNELS = {"slcan": "a serial device", "socketcan": "a network interface, such
 
 @contextmanager
 def interface_node(
-    layout: FrameLayout, interface: str, channel: str | None = None, bitrate: int | None = None
+    layout: FrameLayout,
+    interface: str,
+    channel: str | None = None,
+    bitrate: int | None = None,
+    listen_only: bool = False,
 ) -> Iterator[can.BusABC]:
     """Open the bus that a running node is on.
 
@@ -31,13 +35,14 @@ def interface_node(
         interface: a name that python-can knows, such as "socketcan" or "slcan".
         channel: the interface's name for the bus, such as "can0" or "/dev/ttyACM0".
         bitrate: bits per second; None leaves the interface as it is set up, as SocketCAN always is.
+        listen_only: whether an adapter that can is told to send nothing, no acknowledgement either.
 
     Raises:
         ArgumentError: python-can does not know the interface or cannot open it.
     """
     with _drivers_words() as said:
         try:
-            bus = _open(layout, interface, channel, bitrate)
+            bus = _open(layout, interface, channel, bitrate, listen_only)
         except Exception as error:  # whatever a driver's binding raises where the driver is missing
             where = f"{interface} {channel or ''}".strip()
             reason = _reason(error, said)
@@ -80,7 +85,11 @@ def _reason(error: Exception, said: list[str]) -> str:
 
 
 def _open(
-    layout: FrameLayout, interface: str, channel: str | None, bitrate: int | None
+    layout: FrameLayout,
+    interface: str,
+    channel: str | None,
+    bitrate: int | None,
+    listen_only: bool,
 ) -> can.BusABC:
     options: dict[str, Any] = {} if bitrate is None else {"bitrate": bitrate}
     if interface == "slcan" and bitrate not in (None, *BlockSlcanBus.bitrates()):
@@ -95,7 +104,7 @@ def _open(
     if channel is None:
         raise ValueError(f"name {_CHANNELS[interface]} as channel")
     if interface == "slcan":
-        return BlockSlcanBus(channel, **options)
+        return BlockSlcanBus(channel, listen_only=listen_only, **options)
     # Imported here: it exists on Linux alone.
     from ccgen.can.transports.socketcan import PatientSocketcanBus
 
