@@ -2,7 +2,7 @@
 
 It says of every snapshot what the node's own code would: which of its frames came again, too late,
 in the wrong order or not at all. Unlike the node it keeps what came too late, for those who know
-better whether it was.
+better whether it was, and says where a number came again with other content.
 """
 
 from dataclasses import dataclass, field
@@ -17,6 +17,9 @@ Fault = Literal[
 
 STALE_CYCLES = 3
 """Cycles without a complete snapshot after which the last one is stale."""
+
+_HALF_US = 0.5e-6
+"""What rounding may take from a time, which the node knows in whole microseconds."""
 
 _Phase = Literal["none", "pending", "complete", "dropped"]
 
@@ -63,8 +66,9 @@ class Gatherer:
             frames: of one number.
             window: seconds within which they must come.
         """
-        self._frames, self._numbers, self._window = frames, layout.numbers, window
-        self._patience = STALE_CYCLES * 1e-6 * layout.cycle_us
+        self._frames, self._numbers = frames, layout.numbers
+        self._window = window + _HALF_US
+        self._patience = STALE_CYCLES * 1e-6 * layout.cycle_us + _HALF_US
         self._phase: _Phase = "none"
         self._newest = Gathered(0, 0.0, [None] * frames, 0)
         self._next: set[Fault] = set()
@@ -131,6 +135,8 @@ class Gatherer:
             skipped = max(0, ahead - 1)
             if skipped:
                 self._next.add("some_lost")
+            if ahead == 0:
+                self._next.add("repeated")
         self._phase = "pending"
         parts: list[tuple[int, ...] | None] = [None] * self._frames
         self._newest = Gathered(number, self._now, parts, slot, skipped, self._next)

@@ -15,6 +15,7 @@ from ccgen.cli.export import export
 from ccgen.cli.failures import Debug, in_one_line, say, unforeseen
 from ccgen.cli.fit import fit
 from ccgen.cli.init import init
+from ccgen.cli.monitor import monitor
 from ccgen.cli.output import note
 from ccgen.cli.place import place
 from ccgen.cli.reproduce import reproduce
@@ -39,6 +40,7 @@ app.command()(in_one_line(check))
 app.command()(in_one_line(verify))
 app.command()(in_one_line(cost))
 app.command()(in_one_line(bridge))
+app.command()(in_one_line(monitor))
 app.command()(in_one_line(place))
 app.command()(in_one_line(reproduce))
 
