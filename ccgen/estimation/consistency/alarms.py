@@ -80,6 +80,25 @@ def alarm_rate(matrix: Floats, limits: Floats, sound: SoundReadings) -> float:
     return total * float(np.mean(1.0 / holds.sum(axis=1)))
 
 
+def sharing(matrix: Floats, sound: SoundReadings, rate: float) -> float:
+    """How many shapes share the alarms: 1 / the sum of squares of their shares.
+
+    Thresholds from few of them tell the rate no better than those few tell all that there are.
+
+    Args:
+        matrix: T of the residuals, shape (n, n), no row zero.
+        sound: readings of a sound joint.
+        rate: of snapshots, at which thresholds stand.
+    """
+    from scipy.special import ndtr
+
+    mean, deviation = _moments(matrix, sound)
+    limits = _marginal_thresholds(matrix, sound, rate / sound.sensors)
+    beyond = ndtr((mean - limits) / deviation) + ndtr((-mean - limits) / deviation)
+    alarms = sound.weight * beyond.sum(axis=1)
+    return float(np.square(alarms.sum()) / np.square(alarms).sum())
+
+
 def _conditioned(noise: Floats, variance: Floats, rows: Floats, wanted: Floats) -> Floats:
     """Noise e under the condition rows . e = wanted, from unconditioned noise (Matheron's rule)."""
     lacking = wanted - np.einsum("kj,kj->k", rows, noise)

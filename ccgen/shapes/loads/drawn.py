@@ -18,7 +18,7 @@ from ccgen.shapes.loads.continuation import (
     Limit,
     raise_loads,
 )
-from ccgen.shapes.loads.draws import Draws, draw_loads
+from ccgen.shapes.loads.draws import Draws, draw_loads, loads_at
 from ccgen.shapes.loads.equilibrium import Array, DeadLoads, Flags, Index
 
 ELEMENTS = 24
@@ -76,6 +76,28 @@ def drawn_shapes(
         drawn += some.size
         found += int(bent[-1].valid.sum())
     return _gathered(draws, bent)
+
+
+def shapes_at(
+    ranges: LoadRanges,
+    sections: tuple[int, ...],
+    length: float,
+    range_of_motion: float,
+    points: Array,
+) -> tuple[Shapes, Flags]:
+    """Shapes of the loads at points, as `drawn_shapes` has them, and which of them are shapes.
+
+    Args:
+        ranges, sections, length, range_of_motion: as of `drawn_shapes`.
+        points: shape (D, N), as of `Draws`.
+
+    Returns:
+        N rows and flags, shape (N,); rows of loads that buckle the joint or bend it beyond its
+        range are none.
+    """
+    draws = loads_at(ranges, length, len(sections), points)
+    bent = _bend(draws, sections, length, range_of_motion)
+    return Shapes(bent.u, bent.v, draws.elongation.T, ("loads",) * points.shape[1]), bent.valid
 
 
 def _hopeless(found: int, drawn: int) -> bool:

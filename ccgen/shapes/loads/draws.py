@@ -31,6 +31,7 @@ class Draws:
         tip_moment: about x and y, shape (2, N), newton metres.
         contact_place: share of the length, shape (N,).
         contact_force: shape (3, N), newtons.
+        points: that they follow from, shape (D, N), inside (0, 1).
     """
 
     stiffness: Array
@@ -41,6 +42,7 @@ class Draws:
     tip_moment: Array
     contact_place: Array
     contact_force: Array
+    points: Array
 
     def of(self, samples: Index) -> Draws:
         """Some of the sets."""
@@ -56,8 +58,18 @@ def draw_loads(ranges: LoadRanges, length: float, sections: int, count: int) -> 
         sections: parts of the joint that elongate by themselves.
         count: how many sets.
     """
-    parts = _parts(ranges)
-    points = _points(_COORDINATES + sections + parts, count)
+    return loads_at(
+        ranges, length, sections, _points(_COORDINATES + sections + _parts(ranges), count)
+    )
+
+
+def loads_at(ranges: LoadRanges, length: float, sections: int, points: Array) -> Draws:
+    """Sets of loads at points of a unit cube; drawn evenly there, they are drawn from the ranges.
+
+    Args:
+        ranges, length, sections: as of `draw_loads`.
+        points: shape (D, N), inside (0, 1), with the D of `Draws.points`.
+    """
     gravity = _gravity(ranges.mounting, points[0], points[1])
     payload = _between(ranges.payload, points[2]) * GRAVITY * gravity
     force = _between(ranges.tip_force, points[3]) * _across(points[4])
@@ -74,6 +86,7 @@ def draw_loads(ranges: LoadRanges, length: float, sections: int, count: int) -> 
         tip_moment=moment[:2],
         contact_place=_between(place, points[10]),
         contact_force=_between(ranges.contact, points[9]) * any_direction,
+        points=points,
     )
 
 
