@@ -40,7 +40,7 @@ range_of_motion = 3.0
 [sensors.transducer]
 bits = 12
 signed = false
-zero = 1024
+zero = 1600
 metres_per_count = 2.4e-5
 noise = 1.0e-4
 gain_tolerance = 0.01
@@ -109,7 +109,7 @@ def unseen_lengths(joint, count, seed):
 def differences(joint, lengths, random):
     """Counts minus zeros of transducers with noise, and gains off within their tolerance."""
     noise, tolerance, step = (
-        np.array([getattr(sensor, key) for sensor in joint.sensors])
+        np.array([getattr(sensor, key) or 0.0 for sensor in joint.sensors])
         for key in ("noise", "gain_tolerance", "metres_per_count")
     )
     gains = 1.0 + tolerance * random.normal(size=lengths.shape)

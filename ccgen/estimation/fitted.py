@@ -73,6 +73,10 @@ class FittedWeights:
         """Root mean square of what fixed point adds to a value of an axis, where it is known."""
         return {}
 
+    def rounding_without(self, sensor: int) -> Mapping[str, float]:
+        """The same while a sensor is lost and what serves in its place is rounded."""
+        return self.rounding
+
     @cached_property
     def told(self) -> tuple[Source, ...]:
         """Sources that errors are told on, but recordings: cases, loads or shapes given, others."""
@@ -128,18 +132,21 @@ class FittedWeights:
         fitted = [one for one in self.task.sources if one.name.startswith(RECORDING)]
         return min([*fitted, *self.told], key=lambda source: order.get(source.name, 0))
 
-    def judged(self, choice: Choice | None = None) -> Missed | Pooled:
+    def judged(
+        self, choice: Choice | None = None, rounding: Mapping[str, float] | None = None
+    ) -> Missed | Pooled:
         """Errors with noise on the shapes that say most of the joint, a recording's held out.
 
         Args:
             choice: of other weights than those that were fitted.
+            rounding: of those on simulated shapes, as `rounding` tells it of the fitted ones.
         """
         if self.recorded is not None:
             names = [one.name for one in self.whole.found.references]
             if self.stated.name in names:
                 return self.recorded.judged(names.index(self.stated.name), True, choice)
         weights = self.weights if choice is None else choice(self.whole)
-        return self.missed(self.stated, True, weights)
+        return self.missed(self.stated, True, weights, rounding)
 
     @cached_property
     def standard_deviations(self) -> StandardDeviations:
@@ -151,13 +158,18 @@ class FittedWeights:
         return not any(own.name == source.name and own.weight > 0 for own in self.task.sources)
 
     def missed(
-        self, source: Source, noise: bool, weights: Mapping[str, Weights] | None = None
+        self,
+        source: Source,
+        noise: bool,
+        weights: Mapping[str, Weights] | None = None,
+        rounding: Mapping[str, float] | None = None,
     ) -> Missed:
         """Errors of the weights, or of others in their place, on the shapes of a source."""
         own = self.weights if weights is None else weights
+        rounded = self.rounding if rounding is None else rounding
         readings = source.readings
         shapes, known = source.shapes, self.task.noise
-        return missed(self.sensed, own, shapes, noise, known, self.rounding, readings)
+        return missed(self.sensed, own, shapes, noise, known, rounded, readings)
 
     def _readers(self, sensor: int) -> list[str]:
         """Axes that read a sensor."""
@@ -201,7 +213,8 @@ class FittedWeights:
             known = {axis: own for axis, own in served.items() if own is not None}
             return {**block.weights, **known}
 
-        found = errors_of(name, self.judged(serving), True, False)
+        judged = self.judged(serving, self.rounding_without(sensor))
+        found = errors_of(name, judged, True, False)
         return Without(
             sensor=name,
             rms_deg={a: None if a in lost else rms for a, rms in found.rms_deg.items()},

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ccgen.errors import ArgumentError, FormatError, InputError
-from ccgen.estimation import FIT_METHODS, in_the_papers_way
+from ccgen.estimation import FIT_METHODS
 from ccgen.estimation.advice import advice
 from ccgen.estimation.estimate import Estimate, estimate
 from ccgen.estimation.fit import Task, fit_task
@@ -20,13 +20,17 @@ from ccgen.estimation.held_out import Report, in_silence
 from ccgen.estimation.recorded import recorded
 from ccgen.estimation.sources import Source, simulated_sources, still_axes
 from ccgen.fixedpoint.advice import fixed_point_advice
+from ccgen.fixedpoint.bounds import rms
+from ccgen.fixedpoint.fallback import served
 from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.joint_checks import JointChecks, joint_checks
-from ccgen.fixedpoint.model import FixedPointModel, Floats
-from ccgen.fixedpoint.serving import quantise_with_fallbacks
+from ccgen.fixedpoint.model import AxisModel, FixedPointModel, Floats
+from ccgen.fixedpoint.ranges import count_gains
+from ccgen.fixedpoint.serving import ServedAxis, quantise_with_fallbacks
 from ccgen.joint import AXES, Joint, Sensor
 from ccgen.joint.units import unit_doubts
+from ccgen.sensing.counts import counts_of
 from ccgen.sensing.noise import second_moment, told_noise
 from ccgen.shapes import Shapes, bent_alike, joined
 from ccgen.shapes.given import given_shapes, reach
@@ -100,17 +104,21 @@ class Fit(FittedWeights):
         Raises:
             FormatError: as of `model`; ReachError: no draw of the joint's loads gives a shape.
         """
-        joint, model = self.sensed, self.model
-        if not joint.fallback:
-            return GuardedModel(model, {}, self.checks.groups)
+        if not self.sensed.fallback:
+            return GuardedModel(self.model, {}, self.checks.groups)
+        shared = replace(self.model, axes={axis: one.model for axis, one in self._served.items()})
+        fallbacks = {axis: one.fallbacks for axis, one in self._served.items()}
+        return GuardedModel(shared, fallbacks, self.checks.groups)
+
+    @cached_property
+    def _served(self) -> Mapping[str, ServedAxis]:
+        """Each axis with what serves without one of its sensors."""
         found = {}
         for axis, own in self.weights.items():
-            first = joint.own(axis).start
+            first = self.sensed.own(axis).start
             lost = [self.fallback(axis, first + j) for j in range(own.sensors)]
             found[axis] = quantise_with_fallbacks(self.task, axis, own, lost, self._held)
-        shared = replace(model, axes={axis: one.model for axis, one in found.items()})
-        fallbacks = {axis: one.fallbacks for axis, one in found.items()}
-        return GuardedModel(shared, fallbacks, self.checks.groups)
+        return found
 
     @cached_property
     def checks(self) -> JointChecks:
@@ -132,18 +140,43 @@ class Fit(FittedWeights):
 
     @cached_property
     def rounding(self) -> Mapping[str, float]:
-        """Root mean square of what fixed point adds to an angle of each axis, radians.
+        """Root mean square of what fixed point adds to a value of an axis, as the axis has it.
 
         Unknown, and empty, where no format fits; `model` says why.
         """
-        if not in_the_papers_way(self.sensed) or self.joint.axes != AXES:
-            return {}
         try:
-            model = self.model
+            axes = self._exported
         except FormatError:
             return {}
-        unit = self.joint.geometry.range_of_motion / 100.0
-        return {axis: unit * model.axis(axis).rms_error_percent_rom for axis in AXES}
+        units = dict.fromkeys(AXES, self.joint.geometry.range_of_motion) | {"h": 1.0}
+        return {
+            axis: units[axis] / 100.0 * model.rms_error_percent_rom for axis, model in axes.items()
+        }
+
+    def rounding_without(self, sensor: int) -> Mapping[str, float]:
+        """The same while a sensor is lost: between what serves in integers and as it was fitted."""
+        found = dict(self.rounding)
+        if not found or not self.sensed.fallback:
+            return found
+        for axis, one in self._served.items():
+            own = self.sensed.own(axis)
+            weights = self.fallback(axis, sensor) if own.start <= sensor < own.stop else None
+            if weights is None:
+                continue
+            counts = counts_of(self.sensed, self.stated.shapes)[:, own]
+            absent = np.arange(own.start, own.stop) == sensor
+            rows = np.broadcast_to(absent, counts.shape)
+            values = served(one.model, one.fallbacks.rows, counts, rows)
+            ideal = counts @ count_gains(self.sensed, axis, weights).T
+            found[axis] = rms(one.model.radians(values) - ideal)
+        return found
+
+    @property
+    def _exported(self) -> Mapping[str, AxisModel]:
+        """The axes as they are exported, beside their fallbacks where there are any."""
+        if not self.sensed.fallback:
+            return self.model.axes
+        return {axis: one.model for axis, one in self._served.items()}
 
     @cached_property
     def doubts(self) -> tuple[str, ...]:
