@@ -12,6 +12,7 @@ from ccgen.fixedpoint import load_model, model_json
 from ccgen.fixedpoint.bounds import largest_accumulator
 from ccgen.sensing.counts import corner_counts, counts, counts_of, random_counts, raw_counts
 from ccgen.sensing.motion import SOURCES, joint_motion
+from ccgen.sensing.noise import still_counts
 from ccgen.shapes import fit_library, score_shapes
 
 UNSIGNED = "bits = 12\nsigned = false\nzero = 900"
@@ -121,12 +122,13 @@ def test_the_model_is_read_back_as_it_was_written(fit, tmp_path):
         load_model(path)
 
 
-def test_a_stated_zero_is_the_models_and_one_that_is_not_lies_in_the_middle():
+def test_a_stated_zero_is_the_models_and_one_that_is_not_lies_nearest_to_the_middle():
     stated = ccgen.fit(ccgen.parse(text_of(transducer="bits = 12\nsigned = false\nzero = 1000")))
     assert (stated.model.readings.zero == 1000).all()
     free = ccgen.fit(ccgen.parse(text_of(transducer="bits = 12\nsigned = false"))).model.u
     ends = free.relative
-    assert (free.zero == (ends.zero_minimum + ends.zero_maximum) // 2).all()
+    assert (free.zero == np.clip(2047, ends.zero_minimum, ends.zero_maximum)).all()
+    assert (free.zero == 2047).any()
     signed = ccgen.fit(ccgen.parse(text_of(transducer="bits = 13")))
     assert (signed.model.readings.zero == 0).all()
 
@@ -162,6 +164,34 @@ def test_strings_that_lengthen_more_than_they_shorten_have_ranges_to_match():
 def test_counts_that_do_not_hold_the_range_of_motion_are_refused(options, says):
     with pytest.raises(FormatError, match=says):
         _ = ccgen.fit(ccgen.parse(text_of(**options))).model
+
+
+def test_differences_that_32_bits_do_not_hold_are_no_readings():
+    far = "bits = 32\nrange = [-2147483647, 2147483647]\nzero = 1000000000"
+    axis = ccgen.fit(ccgen.parse(text_of(32, far, step=1e-9))).model.u
+    assert (axis.relative.minimum == -(2**31) + 1).all()
+    assert (axis.relative.maximum == 2**31 - 1 - 10**9).all()
+    lowest = np.full(6, 10**9 - 2**31)
+    assert axis.missing(lowest).all()
+    assert not axis.missing(lowest + 1).any()
+
+
+def test_simulated_counts_are_readings_of_the_model_though_no_zero_is_stated():
+    fit = ccgen.fit(ccgen.parse(text_of(transducer="bits = 12\nsigned = false", step=4e-5)))
+    counts = raw_counts(fit.joint, score_shapes(fit.joint))
+    assert not fit.model.u.missing(counts).any()
+    straight = ccgen.simulate(fit.joint, "uniform", 0.0)
+    np.testing.assert_array_equal(straight.counts, fit.model.readings.zero)
+
+
+def test_rest_is_told_from_motion_by_the_motion_whatever_counts_there_are():
+    text = text_of(transducer="bits = 16\nsigned = false", precision=32).replace("noise = 5e-5", "")
+    fit = ccgen.fit(ccgen.parse(text.replace("noise-aware", "wam")))
+    moved = fit.model.readings.moved
+    reach = np.ptp(np.vstack([counts_of(fit.joint, fit.shapes), np.zeros((1, 6))]), axis=0)
+    assert (moved >= reach).all()
+    assert (moved < 2**15).all()
+    np.testing.assert_array_equal(still_counts(fit.joint, moved), np.maximum(moved // 100, 2))
 
 
 def test_sections_are_rows_of_elongation():

@@ -35,7 +35,7 @@ def can_context(layout: FrameLayout, joint: Joint, model: FixedPointModel) -> di
     """The layout of the frames, and the tables of them for headers and the folder's README."""
     bits = [f"CCGEN_PUBLISH_{kind.upper()}" for kind in layout.publish]
     ranges = model.readings
-    still = still_counts(joint, ranges.maximum - ranges.minimum).tolist()
+    still = still_counts(joint, ranges.moved).tolist()
     return {
         "fingerprint": fingerprint(model, layout),
         "publish": " | ".join(bits) or "0",

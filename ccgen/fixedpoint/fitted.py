@@ -30,7 +30,7 @@ from ccgen.fixedpoint.ranges import count_gains
 from ccgen.fixedpoint.serving import ServedAxis, quantise_with_fallbacks
 from ccgen.joint import AXES, Joint, Sensor
 from ccgen.joint.units import unit_doubts
-from ccgen.sensing.counts import counts_of
+from ccgen.sensing.counts import counts_of, nominal_zero
 from ccgen.sensing.noise import second_moment, told_noise
 from ccgen.shapes import Shapes, bent_alike, joined
 from ccgen.shapes.given import given_shapes, reach
@@ -54,13 +54,13 @@ class Fit(FittedWeights):
     def sensors(self) -> tuple[Sensor, ...]:
         """The joint's, with the gains and zeros that the estimate uses.
 
-        A zero that nothing states is that of the model: 0, or where that leaves no counts for the
-        range of motion the middle of what does.
+        A zero that nothing states is that of the model: 0, or for counts that are never negative
+        their middle, or what is nearest to it with counts for the range of motion.
         """
         sensors = self.sensed.sensors
-        zeros = [0] * len(sensors)
+        zeros = [nominal_zero(sensor) for sensor in sensors]
         if any(sensor.zero is None for sensor in sensors):
-            with suppress(FormatError):  # no format holds the joint: its zeros stay 0
+            with suppress(FormatError):  # no format holds the joint: its zeros stay nominal
                 zeros = self.model.readings.zero.tolist()
         return tuple(
             sensor if sensor.zero is not None else replace(sensor, zero=zero)

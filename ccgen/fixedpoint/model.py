@@ -68,6 +68,18 @@ class SensorRanges:
         low, high = self.relative.zero_minimum, self.relative.zero_maximum
         return SensorRanges(low, high, self.zero)
 
+    @property
+    def moved(self) -> Integers:
+        """Counts from one end of the motion to the other, shape (n,).
+
+        Of relative ranges those of the shapes alone, however many more the transducer has.
+        """
+        width = self.maximum - self.minimum
+        if self.relative is None:
+            return np.asarray(width)
+        free = self.relative.zero_maximum - self.relative.zero_minimum
+        return np.asarray(width - free)
+
     def around(self, zero: ArrayLike | None = None) -> "SensorRanges":
         """Counts that are readings with a zero, of shape (..., n); the own one by default."""
         offset = self.zero if zero is None else np.asarray(zero, dtype=np.int64)

@@ -12,9 +12,10 @@ import numpy as np
 from ccgen.digits import at_least, at_most
 from ccgen.errors import FormatError
 from ccgen.fixedpoint.model import Floats, Integers, RelativeRange, SensorRanges
-from ccgen.fixedpoint.ranges import MARGIN, SensorPlace
+from ccgen.fixedpoint.ranges import DIFFERENCE_LIMIT, MARGIN, SensorPlace
 from ccgen.joint import Joint
 from ccgen.joint.specification import count_limits
+from ccgen.sensing.counts import nominal_zero
 from ccgen.sensing.readings import length_changes
 from ccgen.shapes import Shapes
 
@@ -78,20 +79,23 @@ def _sensor_range(place: SensorPlace, low: float, high: float) -> tuple[int, ...
             f"motion; use at most {most} m per count"
         )
     zeros = _Counts(counts.low - math.floor(low), counts.high - math.ceil(high))
-    if zeros.low > zeros.high:
-        raise FormatError(_too_few(place, math.ceil(high) - math.floor(low), counts))
+    farthest = math.ceil(max(-low, high))
+    if zeros.low > zeros.high or farthest > DIFFERENCE_LIMIT:
+        raise FormatError(_too_few(place, math.ceil(high) - math.floor(low), farthest, counts))
     zero = _zero(place, zeros)
     far = _Counts(math.floor(low * MARGIN), math.ceil(high * MARGIN))
     if sensor.range is not None:  # what is declared counts as a reading, however far
         far = _Counts(min(far.low, counts.low - zero), max(far.high, counts.high - zero))
+    # A difference of 32-bit counts that 32 bits do not hold is no reading.
+    far = _Counts(max(far.low, -DIFFERENCE_LIMIT), min(far.high, DIFFERENCE_LIMIT))
     return counts.low, counts.high, zero, far.low, far.high, zeros.low, zeros.high
 
 
 def _zero(place: SensorPlace, zeros: _Counts) -> int:
-    """The stated zero; else 0 or, where that is none, the middle of what may be one."""
+    """The stated zero; else what is nearest to the nominal one of those that may be one."""
     stated = place.sensor.zero
     if stated is None:
-        return 0 if zeros.low <= 0 <= zeros.high else (zeros.low + zeros.high) // 2
+        return max(zeros.low, min(nominal_zero(place.sensor), zeros.high))
     if not zeros.low <= stated <= zeros.high:
         raise FormatError(
             f"{place.said('zero')} would run out of counts over the range of motion with its zero "
@@ -100,9 +104,10 @@ def _zero(place: SensorPlace, zeros: _Counts) -> int:
     return stated
 
 
-def _too_few(place: SensorPlace, needed: int, counts: _Counts) -> str:
+def _too_few(place: SensorPlace, needed: int, farthest: int, counts: _Counts) -> str:
     have = counts.high - counts.low
-    coarser = at_least(abs(place.sensor.metres_per_count) * needed / have)
+    share = max(needed / have, farthest / DIFFERENCE_LIMIT)
+    coarser = at_least(abs(place.sensor.metres_per_count) * share)
     return (
         f"{place.said('metres_per_count')} needs {needed} counts over the range of motion and has "
         f"{have}; use at least {coarser} m per count, or more bits"

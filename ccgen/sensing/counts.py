@@ -50,13 +50,21 @@ def counts_of(joint: Joint, shapes: Shapes) -> Integers:
 
 
 def raw_counts(joint: Joint, shapes: Shapes) -> Integers:
-    """Counts that ideal transducers give, with their zeros; 0 where a zero is not stated.
+    """Counts that ideal transducers give, with their zeros; nominal ones where none is stated.
 
     Returns:
         As `counts_of`.
     """
-    zeros = np.array([sensor.zero or 0 for sensor in joint.sensors], dtype=np.int64)
+    zeros = np.array([nominal_zero(sensor) for sensor in joint.sensors], dtype=np.int64)
     return np.asarray(counts_of(joint, shapes) + zeros)
+
+
+def nominal_zero(sensor: Sensor) -> int:
+    """The stated zero; else 0, or the middle of counts that do not reach to either side of it."""
+    if sensor.zero is not None:
+        return sensor.zero
+    low, high = sensor.range or count_limits(sensor.bits, sensor.signed)
+    return 0 if low < 0 < high else (low + high) // 2
 
 
 def within(sensor: Sensor, count: int) -> bool:

@@ -51,20 +51,20 @@ def length_variance(joint: "Joint", second_moment: Floats | None = None) -> Floa
     return np.asarray(variance + np.square(tolerance) * lengths)
 
 
-def still_counts(joint: "Joint", extent: Integers) -> Integers:
+def still_counts(joint: "Joint", moved: Integers) -> Integers:
     """How far two readings of a joint at rest may lie apart, counts, shape (n,).
 
     Six standard deviations of their difference, and one count; where no noise is stated, a
-    hundredth of the range of counts.
+    hundredth of what the joint's motion moves it by.
 
     Args:
         joint: its sensors.
-        extent: the range of each sensor's counts, shape (n,).
+        moved: counts from one end of its motion to the other, shape (n,).
     """
     step = np.array([abs(sensor.metres_per_count) for sensor in joint.sensors])
     noisy = 1.0 + np.ceil(_STILL * np.sqrt(2.0 * length_variance(joint)) / step)
     stated = np.array([sensor.noise is not None for sensor in joint.sensors])
-    counts = np.where(stated, noisy, np.maximum(noisy, extent // 100))
+    counts = np.where(stated, noisy, np.maximum(noisy, moved // 100))
     return np.asarray(np.minimum(counts, _LARGEST_STILL), dtype=np.int64)
 
 
