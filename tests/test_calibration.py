@@ -11,6 +11,7 @@ import pytest
 import ccgen
 from ccgen.calibration.bent import left_out
 from ccgen.calibration.calibrate import calibrate
+from ccgen.calibration.places import Place
 from ccgen.calibration.seen import Seen
 from ccgen.calibration.suspicious import suspicious
 from ccgen.cli.main import main
@@ -400,6 +401,20 @@ def test_a_sensor_that_was_not_recorded_is_left_as_it_is_stated(tmp_path):
     assert found.notes[-1].endswith(
         "no counts where the shape is known of sensor whole, left as the file states"
     )
+
+
+def test_a_joint_that_bends_in_one_slanted_plane_tells_gains_and_no_angle(tmp_path):
+    def in_a_plane(columns):
+        bent = np.radians(np.stack([columns[f"u{i}"] for i in range(M)], axis=1))
+        state = np.concatenate([bent, bent, np.zeros((len(bent), 1))], axis=1)
+        columns |= {f"v{i}": columns[f"u{i}"] for i in range(M)}
+        read = np.rint(lengths(state, 5e-5, seed=1))
+        columns |= {f"count_{name}": read[:, j] for j, name in enumerate(NAMES)}
+
+    record(tmp_path, change=in_a_plane)
+    found = found_in(tmp_path)
+    np.testing.assert_allclose(values(found, "metres_per_count"), STEP / GAIN, rtol=0.01)
+    assert set(found.places) == {Place()}
 
 
 def uncounted(columns):

@@ -22,6 +22,8 @@ LARGEST_ANGLE_STD = np.radians(10.0)
 _FREEDOM = 4.0
 _TURNS = 20
 _FEWEST = 30
+_DEPENDENT = 1e-6
+"""Smallest singular value of columns of length 1 up to which they depend on each other."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +80,9 @@ def _wider(place: Place, share: float) -> Place:
 def _place(recordings: Sequence[Bent], j: int) -> Place:
     rows = _rows(recordings, j)
     moves = np.ptp(rows[:, :3], axis=0) > 0 if len(rows) >= _FEWEST else np.zeros(3, dtype=bool)
-    if not moves[:2].all():
+    if not moves[:2].all() or not _independent(rows[:, :2]):
         return Place()
+    moves[2] &= _independent(rows[:, :3])
     fitted, covariance = _regressed(rows[:, :3][:, moves], rows[:, 3])
     a, b = fitted[:2]
     reach = float(np.hypot(a, b))
@@ -97,6 +100,14 @@ def _place(recordings: Sequence[Bent], j: int) -> Place:
     if radius_std > LARGEST_RADIUS_STD * radius:
         return Place(angle=angle, angle_std=angle_std)
     return Place(float(radius), radius_std, angle, angle_std)
+
+
+def _independent(columns: Floats) -> bool:
+    """Whether no column follows from the others, as in a joint that bends in one slanted plane."""
+    size = np.linalg.norm(columns, axis=0)
+    if not size.all():
+        return False
+    return float(np.linalg.svd(columns / size, compute_uv=False)[-1]) > _DEPENDENT
 
 
 def _rows(recordings: Sequence[Bent], j: int) -> Floats:
