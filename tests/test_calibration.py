@@ -205,6 +205,25 @@ def poses(folder, angles, noise=2e-5, seed=0):
     )
 
 
+@pytest.mark.parametrize("read", [calibrate, lambda file: ccgen.fit(ccgen.load(file))])
+def test_a_sensor_that_moves_while_the_joint_is_called_straight_is_refused(tmp_path, read):
+    record(tmp_path)
+    record(tmp_path, "straight.csv", angles=False)
+    moving = STRAIGHT.replace("[0.0, 1.0]", "[0.0, 4.0]")
+    file = tmp_path / "finger.toml"
+    file.write_text(text(*RUN, moving))
+    with pytest.raises(InputError) as error:
+        read(file)
+    assert re.fullmatch(
+        r".*straight\.csv: straight = \[0, 4\]: sensor \w+ moves by 0\.0\d+ m in that time; "
+        r"name a time in which the joint rests",
+        str(error.value),
+    )
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "finger.toml", "run.csv", "straight.csv",
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_few_known_poses_tell_gains(tmp_path, seed):
     poses(tmp_path, [(0, 0), (8, 0), (-8, 0), (0, 8), (0, -8)], seed=seed)

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from ccgen.calibration.told import Told
 from ccgen.errors import InputError
+from ccgen.joint import Joint
 from ccgen.recordings.learning import independent_rows
+from ccgen.recordings.movement import check_resting_sensors
 from ccgen.recordings.recording import Recording
 
 Floats = NDArray[np.float64]
@@ -33,15 +35,15 @@ class Held:
     noise_std: Floats
 
 
-def straight_joint(recording: Recording, step: Floats) -> Held:
+def straight_joint(joint: Joint, recording: Recording) -> Held:
     """What counts alone tell while the joint is straight.
 
     Args:
+        joint: its n sensors, of nominal gain.
         recording: with counts, and neither angles nor bodies.
-        step: nominal metres per count of the n sensors, shape (n,).
 
     Raises:
-        InputError: the joint file does not say when it is straight.
+        InputError: the joint file does not say when it is straight, or sensors move then.
     """
     assert recording.counts is not None
     interval, counts = recording.file.straight, recording.counts
@@ -50,7 +52,9 @@ def straight_joint(recording: Recording, step: Floats) -> Held:
             f"{recording.source}: holds counts alone, and [[recordings]] does not say when the "
             "joint was straight; write straight = [0.0, 2.0] (seconds), or add angles or stations"
         )
+    step = np.array([sensor.metres_per_count for sensor in joint.sensors])
     lengths = counts.values[recording.within(interval, counts.t)] * step
+    check_resting_sensors(recording.source, interval, lengths, joint)
     rows = [_at_rest(lengths[:, j], abs(float(step[j]))) for j in range(len(step))]
     zero, zero_std, noise, noise_std = np.array(rows).T
     unknown = np.full(len(step), np.nan)

@@ -202,7 +202,7 @@ def sources_of(joint: Joint, recordings: Sequence[Recording]) -> Sources:
     posed = [one for one in recordings if one.dense and one.rows < FEWEST_ROWS]
     rest = [one for one in recordings if one not in alone and one not in posed]
     step = np.array([sensor.metres_per_count for sensor in joint.sensors])
-    straight = tuple(straight_joint(one, step) for one in alone)
+    straight = tuple(straight_joint(joint, one) for one in alone)
     noise = _known_noise(joint, straight)
     followed = references(joint, rest) if rest else ()
     said = [*(one.notes for one in (*alone, *posed)), *(one.notes for one in followed)]

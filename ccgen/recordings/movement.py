@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.errors import InputError
-from ccgen.joint.specification import Geometry
+from ccgen.joint.specification import Geometry, Joint
 
 Floats = NDArray[np.float64]
 
@@ -14,6 +14,11 @@ _STILL_ANGLE = 1 / 50  # of the range of motion
 _STILL_POSITION = 1 / 200  # of the length
 _REST_ANGLE = 1 / 10  # of the range of motion
 _REST_POSITION = 1 / 100  # of the length
+
+_PARTS, _FEWEST = 20, 5
+"""Parts of a time in which sensors rest, and rows of one."""
+_NOISE = 5.0
+"""Times the median step from row to row, which is as large as a standard deviation of noise."""
 
 
 def check_motion(
@@ -71,6 +76,45 @@ def check_rest(
             f"{source}: straight = [{interval[0]:g}, {interval[1]:g}]: the joint moves by {what} "
             "in that time; name a time in which it rests"
         )
+
+
+def check_resting_sensors(
+    source: str, interval: tuple[float, float], lengths: Floats, joint: Joint
+) -> None:
+    """Check by the sensors that the joint rests while it is called straight.
+
+    Args:
+        source: the file.
+        interval: when that is, seconds.
+        lengths: in that time, shape (rows, n), metres; NaN for no reading.
+        joint: its sensors.
+
+    Raises:
+        InputError: which sensor moves most, and by how much.
+    """
+    rest = _REST_ANGLE * joint.geometry.range_of_motion
+    found = [
+        (_drift(column) / (rest * sensor.radius * sensor.segments), sensor.name, _drift(column))
+        for sensor, column in zip(joint.sensors, lengths.T, strict=True)
+    ]
+    share, name, drift = max(found)
+    if share > 1.0:
+        raise InputError(
+            f"{source}: straight = [{interval[0]:g}, {interval[1]:g}]: sensor {name} moves by "
+            f"{drift:.2g} m in that time; name a time in which the joint rests"
+        )
+
+
+def _drift(lengths: Floats) -> float:
+    """By how much a reading moves beyond its noise: between medians of parts of the time."""
+    seen = lengths[~np.isnan(lengths)]
+    parts = min(_PARTS, len(seen) // _FEWEST)
+    if parts < 2:
+        return 0.0
+    medians = [float(np.median(part)) for part in np.array_split(seen, parts)]
+    noise = float(np.median(np.abs(np.diff(seen))))
+    jitter = _NOISE * noise / float(np.sqrt(len(seen) / parts))
+    return max(max(medians) - min(medians) - jitter, 0.0)
 
 
 def _spread(values: Floats) -> float:

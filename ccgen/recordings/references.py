@@ -11,6 +11,7 @@ from ccgen.errors import InputError
 from ccgen.recordings.bodies import body_references
 from ccgen.recordings.dense import dense_references
 from ccgen.recordings.gains import Calibration
+from ccgen.recordings.movement import check_resting_sensors
 from ccgen.recordings.recording import Recording
 from ccgen.recordings.reference import Reference
 
@@ -59,7 +60,7 @@ def _with_shape(joint: "Joint", recording: Recording) -> Recording:
     """A recording of counts alone with the one shape that is known of it: straight.
 
     Raises:
-        InputError: it names no straight stretch.
+        InputError: it names no straight stretch, or sensors move in it.
     """
     if recording.dense or any(body.station is not None for body in recording.bodies):
         return recording
@@ -69,6 +70,11 @@ def _with_shape(joint: "Joint", recording: Recording) -> Recording:
             f"{recording.source}: tells nothing of the joint's shape; add angles or bodies, or "
             "straight = [t0, t1], the seconds in which the joint was straight"
         )
+    if recording.counts is not None:
+        step = np.array([sensor.metres_per_count for sensor in joint.sensors])
+        there = recording.within(straight, recording.counts.t)
+        lengths = recording.counts.values[there] * step
+        check_resting_sensors(recording.source, straight, lengths, joint)
     rows, m = recording.within(straight), joint.geometry.segments
     known = np.where(rows, 0.0, np.nan)[:, None]
     h = np.tile(known, len(joint.geometry.sections))
