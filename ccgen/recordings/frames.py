@@ -23,6 +23,9 @@ from ccgen.recordings.sights import Frame, Sights
 
 Floats = NDArray[np.float64]
 
+MANY = 8
+"""Bodies that tell how smooth a shape is."""
+
 BASE = "base"
 """Name of a body whose axes are those of the joint's base."""
 
@@ -41,6 +44,8 @@ _WITHIN = 0.05
 _UNSETTLED = 2e-3
 """Share of the length by which bodies are off, at least, where their noise is not stated and no
 straight stretch shows how they are mounted."""
+_ALONE = 5e-3
+"""The same where few bodies are all that is known: their chain has to follow wide bends."""
 _RESTING = np.radians(0.5)
 """Orientations of the base that differ by less are one."""
 
@@ -114,11 +119,14 @@ def sighted(recording: Recording, geometry: Geometry) -> tuple[Sights, Frame, Sp
         position_noise=float(np.hypot(own, _model_error(geometry) * geometry.segment_length)),
         orientation_noise=float(np.hypot(file.orientation_noise or 0.0, _model_error(geometry))),
         stated_noise=(own, file.orientation_noise or 0.0),
+        axes=np.array(_rows(base.axes, position)),
+        origin=np.broadcast_to(base.origin, (len(position), 3)).copy(),
     )
     if file.straight is None:
         spread = _unsettled(sights, base.kind, geometry.length)
         if not spread.certain and file.position_noise is None:
-            least = _UNSETTLED * geometry.length
+            alone = recording.counts is None and len(bodies) < MANY
+            least = (_ALONE if alone else _UNSETTLED) * geometry.length
             sights = replace(sights, position_noise=max(sights.position_noise, least))
         return sights, _guessed(sights), spread
     rows = recording.within(file.straight)

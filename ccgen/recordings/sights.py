@@ -46,6 +46,8 @@ class Sights:
         position_noise: one standard deviation of a coordinate from the chain, metres.
         orientation_noise: one standard deviation of a direction about an axis, radians.
         stated_noise: both as stated, or as rows jump about: without what a chain misses.
+        axes: of the base as first seen, in the recording's frame, shape (N, 3, 3).
+        origin: of the base as first seen, in the recording's frame, shape (N, 3), metres.
         nearness: how well shapes are known: hardly (`FAR`), so that what most bodies of a row are
             off by is no outlier (`CLOSER`), or so that the noise says what is one (`NEAR`).
     """
@@ -58,6 +60,8 @@ class Sights:
     position_noise: float
     orientation_noise: float
     stated_noise: tuple[float, float]
+    axes: Floats
+    origin: Floats
     nearness: int = NEAR
 
     @property
@@ -72,7 +76,8 @@ class Sights:
 
     def rows(self, chosen: "slice | NDArray[np.intp]") -> "Sights":
         """Some rows of it."""
-        return replace(self, position=self.position[chosen], rotation=self.rotation[chosen])
+        names = ("position", "rotation", "axes", "origin")
+        return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
     def noise_of(self, others: "Sights") -> "Sights":
         """Other rows with the noise of these."""

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ccgen.joint.specification import Geometry
 from ccgen.kinematics.rotations import logarithm, without_twist
@@ -55,6 +55,21 @@ class Sighting:
     state: Floats
     covariance: Floats
     geometry: Geometry
+
+    def positions(self, at: ArrayLike) -> Floats:
+        """Where places along the joint most probably were, in the recording's frame.
+
+        Args:
+            at: shape (K,), metres from the base along the joint without elongation.
+
+        Returns:
+            Shape (N, K, 3), metres; NaN where the base is unknown.
+        """
+        where, own = self.sights.where, self.frame
+        seen = seen_from_base(self.state, places(at, where.sections, where.length))
+        near = seen.position @ own.rotation.T + own.origin
+        base = self.sights.origin[:, None]
+        return np.asarray(near @ np.swapaxes(self.sights.axes, -1, -2) + base)
 
     def errors(self, estimate: Floats) -> dict[str, StationErrors]:
         """Errors of an estimate at each station, by the body's name.
