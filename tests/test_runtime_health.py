@@ -326,6 +326,24 @@ def test_back_to_the_zero_that_was_restored_last():
     assert (health.result, health.zero, node.zero()) == (DONE, FROM_RESTORED, [1, 2, 3, 4])
 
 
+def test_a_capture_knows_nothing_of_the_one_before_it():
+    node, moved = Node(), tuple(count + 4 for count in REST)
+    node.command(1, CAPTURE, snapshots=3)
+    node.send(REST)
+    node.send(moved)
+    for number in (2, 3):  # the first was ended, the second is done
+        node.command(number, CAPTURE, snapshots=2)
+        node.send(moved)
+        assert node.health().result == BUSY
+        node.send(moved)
+        assert (node.health().result, node.zero()) == (DONE, list(moved))
+    node.now += 5 * CYCLE
+    node.command(4, CAPTURE)
+    far = tuple(count + 100 for count in REST)
+    node.send(far)
+    assert (node.health().result, node.zero()) == (DONE, list(far))
+
+
 def test_a_reading_out_of_its_range_is_not_where_a_capture_begins():
     node = Node()
     node.send((2001, 500, 0, 0))
