@@ -1,7 +1,7 @@
 """Weights from markers and counts, judged at the markers on blocks that were held out."""
 
 import json
-import math
+import tomllib
 
 import numpy as np
 import pytest
@@ -48,7 +48,7 @@ def test_what_is_told_at_the_stations_of_held_out_blocks_is_what_the_truth_shows
     estimate, truth, found = held_out(fitted, method)
     for axis in ("u", "v"):
         rows = fitted.joint.rows(axis)
-        assert rms(estimate[:, rows] - state[:, rows]) < math.radians(0.5)
+        assert rms(estimate[:, rows] - state[:, rows]) < np.radians(0.5)
         assert not np.isnan(found.known(axis)).all()
     at = places(list(STATIONS.values()), (M,), 0.24 / M)
     wide = [np.pad(one, ((0, 0), (0, 1))) for one in (estimate, state)]
@@ -84,6 +84,19 @@ def test_gains_from_markers_and_counts_go_into_the_exported_weights(counted):
     np.testing.assert_array_equal(
         fitted.model.readings.zero, [sensor.zero for sensor in fitted.sensors]
     )
+
+
+def test_markers_tell_where_the_joint_is_stiff(counted):
+    _, fitted = counted
+    told = fitted.found.stiffness
+    assert np.mean(told.profile) == pytest.approx(1.0)
+    assert len(told.profile) == len(told.std)
+    first = len(told.profile) // M  # the first of M segments is twice as stiff as the others
+    assert np.mean(told.profile[:first]) > 1.2 * np.mean(told.profile[first:-first])
+    line, sure = told.lines
+    values = tomllib.loads(line)["stiffness_profile"]
+    assert values == pytest.approx(told.profile, abs=0.006)
+    assert sure.count(",") == len(values) - 1
 
 
 def test_stations_are_kept_with_the_fit(counted):

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ccgen.cli.fit_checks import checks_json, show_checks
-from ccgen.cli.output import show_table
+from ccgen.cli.output import results, show_table
 
 if TYPE_CHECKING:
     from ccgen.estimation.errors import ErrorRow
@@ -33,7 +33,23 @@ def as_json(fit: "Fit", axes: Figures) -> dict[str, Any]:
         "without": [asdict(row) for row in fit.without],
         "checks": checks_json(fit.checks),
         "unchecked": list(fit.checks.notes),
+        **_stiffness_json(fit),
     }
+
+
+def _stiffness_json(fit: "Fit") -> dict[str, Any]:
+    """What recordings tell of the joint's stiffness, where they do."""
+    told = None if fit.found is None else fit.found.stiffness
+    return {} if told is None else {"stiffness_profile": asdict(told)}
+
+
+def _show_stiffness(fit: "Fit") -> None:
+    """Print the line for [loads] that recordings tell."""
+    told = None if fit.found is None else fit.found.stiffness
+    if told is not None:
+        line, sure = told.lines
+        results().print(f"The recordings tell, for [loads] ({sure}):", soft_wrap=True)
+        results().print(line, soft_wrap=True)
 
 
 def show_fit(fit: "Fit", axes: Figures) -> None:
@@ -41,6 +57,7 @@ def show_fit(fit: "Fit", axes: Figures) -> None:
     show_axes(fit.joint, fit.method, axes)
     show_errors(fit)
     show_stations(fit)
+    _show_stiffness(fit)
     _show_without(fit)
     show_checks(fit.checks, fit.joint.false_alarms)
 

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from rich import progress as bars
     from rich.console import Console
     from rich.table import Table
 
@@ -122,22 +123,45 @@ def progress() -> "Console":
 
 @contextmanager
 def progress_bars() -> "Iterator[Progress]":
-    """One bar on stderr for each thing that is being done, with its remaining time."""
-    from rich import progress as bars
+    """One bar on stderr for each thing that is being done, with its remaining time.
 
-    columns = (
-        bars.TextColumn("{task.description:<24}"),
-        bars.BarColumn(),
-        bars.MofNCompleteColumn(),
-        bars.TimeRemainingColumn(),
-    )
-    tasks: dict[str, bars.TaskID] = {}
-    console = progress()
-    with bars.Progress(*columns, console=console, disable=not console.is_terminal) as shown:
+    Nothing is imported or shown before something is told.
+    """
+    shown = _Bars()
+    try:
+        yield shown.report
+    finally:
+        shown.stop()
 
-        def report(what: str, done: int, total: int) -> None:
-            if what not in tasks:
-                tasks[what] = shown.add_task(what)
-            shown.update(tasks[what], completed=done, total=total)
 
-        yield report
+class _Bars:
+    """Bars that appear with the first report."""
+
+    def __init__(self) -> None:
+        self._progress: bars.Progress | None = None
+        self._tasks: dict[str, bars.TaskID] = {}
+
+    def report(self, what: str, done: int, total: int) -> None:
+        progress = self._progress or self._started()
+        if what not in self._tasks:
+            self._tasks[what] = progress.add_task(what)
+        progress.update(self._tasks[what], completed=done, total=total)
+
+    def stop(self) -> None:
+        if self._progress is not None:
+            self._progress.stop()
+
+    def _started(self) -> "bars.Progress":
+        from rich import progress as bars
+
+        console = progress()
+        self._progress = bars.Progress(
+            bars.TextColumn("{task.description:<24}"),
+            bars.BarColumn(),
+            bars.MofNCompleteColumn(),
+            bars.TimeRemainingColumn(),
+            console=console,
+            disable=not console.is_terminal,
+        )
+        self._progress.start()
+        return self._progress

@@ -30,6 +30,23 @@ _LEAST_NOISE = 1e-9
 """Metres; the step of the counts, which is told apart, may be all that there is."""
 
 
+@dataclass(frozen=True)
+class StiffnessProfile:
+    """Stiffness of equal parts of a joint from its base, as `stiffness_profile` states it."""
+
+    profile: tuple[float, ...]
+    """With a mean of 1."""
+    std: tuple[float, ...]
+    """One standard deviation of each, share of it."""
+
+    @property
+    def lines(self) -> tuple[str, str]:
+        """What to paste into [loads], and how sure it is."""
+        profile = ", ".join(f"{value:.2f}" for value in self.profile)
+        std = ", ".join(f"{100 * value:.0f}" for value in self.std)
+        return f"stiffness_profile = [{profile}]", f"standard deviations in %: {std}"
+
+
 @dataclass(frozen=True, eq=False)
 class Recorded:
     """All recordings of a joint, and what they tell of its sensors.
@@ -68,6 +85,16 @@ class Recorded:
             found = unknown, unknown, first.noise
         told = zip(self.stated.sensors, _mean(zeros), *map(_known, found), strict=True)
         return replace(self.stated, sensors=tuple(_told(*one) for one in told))
+
+    @property
+    def stiffness(self) -> "StiffnessProfile | None":
+        """How stiff parts of the joint are against each other, where recordings tell it."""
+        told = [one.compliance for one in self.fitted if one.compliance is not None]
+        if not told:
+            return None
+        compliance, std = told[0]
+        profile = np.exp(-compliance)
+        return StiffnessProfile(tuple((profile / profile.mean()).tolist()), tuple(std.tolist()))
 
     def readings(self, reference: "Reference") -> Floats | None:
         """Normalised readings of a reference's counts, shape (N, n); None without counts."""

@@ -194,6 +194,7 @@ def _reference(
         delay_s=0.0 if read is None else read.delay.seconds,
         delay_std_s=0.0 if read is None else read.delay.std,
         notes=recording.notes + _said(part, posterior),
+        compliance=shared.compliance if recording.file.use == "fit" else None,
         sighting=Sighting(
             part.sights, part.frame, posterior.state, posterior.covariance, cut.coarse
         ),

@@ -77,12 +77,15 @@ class Shared:
         found: compliances and sizes, gains and zeros.
         calibration: of the sensors; None where none of the recordings has counts.
         second_moment: of states with their twist, shape (p, p).
+        compliance: of equal parts of the joint from its base, natural logarithms, and their
+            standard deviations, shape (2, parts); None where it was not learned.
     """
 
     model: Model
     found: Parameters
     calibration: Calibration | None
     second_moment: Floats
+    compliance: Floats | None = None
 
     @property
     def transform(self) -> Floats:
@@ -146,7 +149,9 @@ def _shared(
         )
     moment = sections_apart(learned.second_moment, sections)
     if len(sections) == 1:
-        return Shared(model, learned.found, calibration, moment)
+        compliance = np.stack([learned.found.log_compliance, learned.spread.log_compliance])
+        known = compliance if compliance.size else None
+        return Shared(model, learned.found, calibration, moment, known)
     # Sections that happened to bend alike may bend otherwise in other rows.
     T = model.transform(learned.found.log_compliance, learned.found.log_size)
     free = fixed_model(sections_apart(T @ T.T, sections))

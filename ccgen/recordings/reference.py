@@ -39,6 +39,8 @@ class Reference:
         delay_std_s: of that; 0 where it is stated, infinite where the recording does not tell.
         notes: what is to be said of the recording, a line each.
         sighting: bodies in the joint's frame, for `stations`; None where dense.
+        compliance: of equal parts of the joint from its base, natural logarithms, and their
+            standard deviations, shape (2, parts); None where it was not learned.
     """
 
     name: str
@@ -58,6 +60,7 @@ class Reference:
     delay_std_s: float
     notes: tuple[str, ...] = ()
     sighting: Sighting | None = None
+    compliance: Floats | None = None
 
     def stations(self, estimate: Floats) -> dict[str, StationErrors]:
         """Errors of an estimate at the stations of bodies, by name; none where it is dense.
