@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ccgen.joint.specification import Geometry
 from ccgen.recordings.fine import Fine, fine
-from ccgen.recordings.frames import MANY, mean_frame, mounted, sighted
+from ccgen.recordings.frames import mean_frame, mounted, sighted
 from ccgen.recordings.gains import Calibration, Sensed, borrowed, stretch_zero
 from ccgen.recordings.learning import independent_rows, shapes
 from ccgen.recordings.lengths import expected_changes, read_lengths
@@ -36,8 +36,8 @@ Floats = NDArray[np.float64]
 
 _APPROACH = ((FAR, 4), (CLOSER, 1), (NEAR, 2))
 """How often shapes are sought anew from the straight joint on, by how well they are known."""
-_WIDE = 6.0
-"""Of the usual bends, where few bodies alone are to say how far a joint bends."""
+_MANY = 8
+"""Bodies that tell how smooth a shape is."""
 _FRAME_ROWS = 400
 """From which a frame is found."""
 
@@ -56,18 +56,12 @@ def body_references(
     cut = fine(joint.geometry)
     sensors = recorded_sensors(joint)
     sensors = replace(sensors, matrix=sensors.matrix @ cut.gather)
-    few = _few(recordings)
-    reach = cut.geometry.range_of_motion * (_WIDE if few else 1.0)
-    bent = replace(cut.geometry, range_of_motion=reach)
-    model = joint_model(bent, joint.loads, few or _many(recordings))
+    model = joint_model(cut.geometry, joint.loads, _rough(recordings))
     telling: dict[int, Part] = {}
     for i, recording in enumerate(recordings):
         if recording.file.use == "fit":
             telling[i] = _part(cut.geometry, recording, model, sensors, without_block)
     shared, settled = pooled(joint, list(telling.values()), model, sensors, common)
-    if few:
-        # Most rows say nothing of the few in which a joint bends otherwise than in all of them.
-        shared = replace(shared, model=model, found=_nothing_learned(model))
     telling = dict(zip(telling, settled, strict=True))
     made = []
     for i, recording in enumerate(recordings):
@@ -82,15 +76,10 @@ def body_references(
     return tuple(made)
 
 
-def _many(recordings: Sequence[Recording]) -> bool:
-    """Whether there are so many bodies that they show how rough shapes are."""
+def _rough(recordings: Sequence[Recording]) -> bool:
+    """Whether shapes may be rough: with many bodies, or with no readings that show it otherwise."""
     bodies = [sum(body.station is not None for body in r.bodies) for r in recordings]
-    return max(bodies, default=0) >= MANY
-
-
-def _few(recordings: Sequence[Recording]) -> bool:
-    """Whether there are few bodies, and no readings that show how shapes go on between them."""
-    return all(r.counts is None for r in recordings) and not _many(recordings)
+    return max(bodies, default=0) >= _MANY or all(r.counts is None for r in recordings)
 
 
 def _part(

@@ -1,6 +1,8 @@
 """From where bodies were recorded to the joint's base: axes, origin, and what is fixed to a body.
 
 The base is the first chord between two markers, or the body `base`, or the recording's own frame.
+A chord has the joint's direction at its middle. Where that lies within the joint, the joint counts
+as straight up to there, and its segments share what is left of its length.
 Of the body's axes, of either sign, the joint's z is the one nearest to the mean direction to the
 other stations; x is the body's x. While the joint is straight all stations lie on one line: that
 fixes the axes, and every body's offset from its station. Without such a stretch all of this is near
@@ -23,9 +25,6 @@ from ccgen.recordings.sights import Frame, Sights
 
 Floats = NDArray[np.float64]
 
-MANY = 8
-"""Bodies that tell how smooth a shape is."""
-
 BASE = "base"
 """Name of a body whose axes are those of the joint's base."""
 
@@ -44,8 +43,8 @@ _WITHIN = 0.05
 _UNSETTLED = 2e-3
 """Share of the length by which bodies are off, at least, where their noise is not stated and no
 straight stretch shows how they are mounted."""
-_ALONE = 5e-3
-"""The same where few bodies are all that is known: their chain has to follow wide bends."""
+_JITTER = 1e-3
+"""Share of the length: bodies that jump about by more move, or show it by what a chain misses."""
 _RESTING = np.radians(0.5)
 """Orientations of the base that differ by less are one."""
 
@@ -82,6 +81,8 @@ class _Base:
     axes: Floats
     origin: Floats
     kind: str  # "chord", "body" or "recording"
+    start: float = 0.0
+    """Of what bends, metres along the joint."""
 
 
 def sighted(recording: Recording, geometry: Geometry) -> tuple[Sights, Frame, Spread]:
@@ -95,7 +96,12 @@ def sighted(recording: Recording, geometry: Geometry) -> tuple[Sights, Frame, Sp
         InputError: no body beyond the base; a straight stretch in which bodies move.
     """
     base = _base(recording, geometry)
-    bodies = [b for b in recording.bodies if b.station is not None and not _is_base(b, base)]
+    bending = replace(geometry, length=geometry.length - base.start)
+    bodies = [
+        b
+        for b in recording.bodies
+        if b.station is not None and b.station >= base.start and not _is_base(b, base)
+    ]
     if not bodies:
         raise InputError(
             f"{recording.source}: [[recordings]] names no station beyond the base; write those of "
@@ -109,11 +115,12 @@ def sighted(recording: Recording, geometry: Geometry) -> tuple[Sights, Frame, Sp
     )
     rotation = np.swapaxes(base.axes, -1, -2)[:, None] @ rotation
     file = recording.file
-    own = file.position_noise or jitter(position)
+    own = file.position_noise or min(jitter(position), _JITTER * geometry.length)
     sights = Sights(
         names=tuple(b.name for b in bodies),
         at=at,
-        where=places(at, geometry.sections, geometry.segment_length),
+        start=base.start,
+        where=places(at - base.start, bending.sections, bending.segment_length),
         position=position,
         rotation=rotation,
         position_noise=float(np.hypot(own, _model_error(geometry) * geometry.segment_length)),
@@ -125,10 +132,9 @@ def sighted(recording: Recording, geometry: Geometry) -> tuple[Sights, Frame, Sp
     if file.straight is None:
         spread = _unsettled(sights, base.kind, geometry.length)
         if not spread.certain and file.position_noise is None:
-            alone = recording.counts is None and len(bodies) < MANY
-            least = (_ALONE if alone else _UNSETTLED) * geometry.length
+            least = _UNSETTLED * geometry.length
             sights = replace(sights, position_noise=max(sights.position_noise, least))
-        return sights, _guessed(sights), spread
+        return sights, _guessed(sights, base.start), spread
     rows = recording.within(file.straight)
     check_rest(
         recording.source, file.straight, np.zeros((2, 1)), list(_moved(sights, rows)), geometry
@@ -196,7 +202,10 @@ def _chord(recording: Recording) -> _Base:
     there = np.isfinite(way).all(axis=1)
     turned[there] = without_twist(axes[:, 2], way[there]) @ axes
     end = next((b for b in ends if b.station is not None), ends[1])
-    return _Base(turned, end.position - (end.station or 0.0) * turned[:, :, 2], "chord")
+    at = end.station or 0.0
+    length = float(np.nanmedian(np.linalg.norm(chord, axis=1)))
+    middle = at + length / 2 if end is ends[0] else at - length / 2
+    return _Base(turned, end.position - at * turned[:, :, 2], "chord", max(middle, 0.0))
 
 
 def _body(body: Body, others: list[Body]) -> _Base:
@@ -251,9 +260,10 @@ def _straightened(sights: Sights, rows: NDArray[np.bool_], kind: str) -> Frame:
         if len(at) > 1 and np.ptp(at) > 0:
             rotation = _along(far @ (seen - seen.mean(axis=0)))
         origin = seen.mean(axis=0) - at.mean() * rotation[:, 2]
+    origin = origin + sights.start * rotation[:, 2]
     offset = np.zeros((len(sights.at), 3))
     offset[there] = (seen - origin) @ rotation
-    offset[there, 2] -= at
+    offset[there, 2] -= at - sights.start
     tangent = np.tile([0.0, 0.0, 1.0], (len(sights.at), 1))
     for b in range(len(tangent)):
         known = sights.rotation[rows, b]
@@ -268,10 +278,10 @@ def _along(way: Floats) -> Floats:
     return without_twist(np.array([0.0, 0.0, 1.0]), way / length) if length > 0 else np.eye(3)
 
 
-def _guessed(sights: Sights) -> Frame:
+def _guessed(sights: Sights, start: float) -> Frame:
     """The frame as first seen, bodies on their stations and along the base's axes."""
-    B = len(sights.at)
-    return Frame(np.eye(3), np.zeros(3), np.zeros((B, 3)), np.tile([0.0, 0.0, 1.0], (B, 1)))
+    B, along = len(sights.at), np.array([0.0, 0.0, 1.0])
+    return Frame(np.eye(3), start * along, np.zeros((B, 3)), np.tile(along, (B, 1)))
 
 
 def mounted(sights: Sights, frame: Frame, states: Floats) -> Frame:

@@ -101,6 +101,9 @@ def smooth_model(
         usual = _USUAL * range_of_motion
         clamp = np.eye(m)[:, :1] * (_CLAMP * usual)
         others = _others(modes) * (_ROUGH * usual)
+        # Smooth modes that moments hardly excite would else be the least of all.
+        size = np.linalg.norm(modes, axis=0)
+        modes = modes * np.maximum(1.0, _ROUGH * usual / size)
         number = np.append(number, [len(number), *np.full(others.shape[1], len(number) + 1)])
         modes = np.concatenate([modes, clamp, others], axis=1)
     k, sizes = modes.shape[1], int(number.max()) + 1

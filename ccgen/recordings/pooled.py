@@ -31,6 +31,8 @@ Indices = NDArray[np.intp]
 
 _ROWS = 400
 """Of all recordings together from which is learned what they share."""
+_SEEN = 2400
+"""Bodies in all of those rows together that are enough: many in a row tell more of it."""
 _GAIN_STD = 0.02
 """Of a gain about 1 where the joint file states no tolerance."""
 _NOISE = 1e-3
@@ -181,7 +183,8 @@ def _learned(
     sensors: RecordedSensors,
     common: Calibration | None,
 ) -> Learned:
-    most = _ROWS // len(parts)
+    bodies = max(len(part.sights.names) for part in parts)
+    most = min(_ROWS, _SEEN // bodies) // len(parts)
     chosen = [_some(part, most) for part in parts]
     sights = [part.sights.rows(rows) for part, rows in zip(parts, chosen, strict=True)]
     ends = np.cumsum([len(rows) for rows in chosen])[:-1]

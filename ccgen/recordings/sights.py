@@ -40,7 +40,8 @@ class Sights:
     Attributes:
         names: of the bodies.
         at: stations, shape (B,), metres along the joint without elongation.
-        where: the stations as places on the chain.
+        start: of what bends, metres along the joint.
+        where: the stations as places on the chain, which begins there.
         position: shape (N, B, 3), metres; NaN where a body was not seen.
         rotation: shape (N, B, 3, 3); NaN where unknown.
         position_noise: one standard deviation of a coordinate from the chain, metres.
@@ -54,6 +55,7 @@ class Sights:
 
     names: tuple[str, ...]
     at: Floats
+    start: float
     where: Places
     position: Floats
     rotation: Floats

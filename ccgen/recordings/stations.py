@@ -7,7 +7,7 @@ from the same readings, so its variance is added.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -66,8 +66,10 @@ class Sighting:
             Shape (N, K, 3), metres; NaN where the base is unknown.
         """
         where, own = self.sights.where, self.frame
-        seen = seen_from_base(self.state, places(at, where.sections, where.length))
-        near = seen.position @ own.rotation.T + own.origin
+        beyond = np.asarray(at, dtype=np.float64) - self.sights.start
+        place = seen_from_base(self.state, places(beyond, where.sections, where.length)).position
+        place[..., 2] += np.minimum(beyond, 0.0)
+        near = place @ own.rotation.T + own.origin
         base = self.sights.origin[:, None]
         return np.asarray(near @ np.swapaxes(self.sights.axes, -1, -2) + base)
 
@@ -85,23 +87,26 @@ class Sighting:
         states = np.concatenate([estimate[rows], np.zeros((len(rows), 1))], axis=1)
         geometry = self.geometry
         where = places(self.sights.at, geometry.sections, geometry.segment_length)
-        told = _Poses.of(states, where, self.frame)
+        # Estimates bend from the joint's base on, wherever a chord tells the base's direction.
+        whole = replace(
+            self.frame, origin=self.frame.origin - self.sights.start * self.frame.rotation[:, 2]
+        )
+        told = _Poses.of(states, where, whole)
         best = _Poses.of(self.state[rows], self.sights.where, self.frame)
         return {
             self.sights.names[b]: StationErrors(
-                self._position(b, rows, told, best),
+                self._position(b, rows, told.place[:, b], best.place[:, b]),
                 self._bend(b, order[i - 1] if i else None, rows, told, best),
                 self._length(b, rows, states, where),
             )
             for i, b in enumerate(order)
         }
 
-    def _position(self, b: int, rows: NDArray[np.intp], told: "_Poses", best: "_Poses") -> float:
-        frame, noise = self.frame, self.sights.position_noise
-        own = self.sights.stated_noise[0]
-        seen = (self.sights.position[rows, b] - frame.origin) @ frame.rotation
-        sound = np.linalg.norm(seen - best.place[:, b], axis=1) < _OUTLIER * noise
-        off = np.square(seen - told.place[:, b]).sum(axis=1)[sound]
+    def _position(self, b: int, rows: NDArray[np.intp], told: Floats, best: Floats) -> float:
+        noise, own = self.sights.position_noise, self.sights.stated_noise[0]
+        seen = self.sights.position[rows, b]
+        sound = np.linalg.norm(seen - best, axis=1) < _OUTLIER * noise
+        off = np.square(seen - told).sum(axis=1)[sound]
         return _root(off, -3 * own**2)
 
     def _bend(
@@ -158,14 +163,15 @@ def _along(where: Places, b: int, states: int) -> Floats:
 class _Poses:
     """Where bodies are and how stations lie for N states."""
 
-    place: Floats  # (N, B, 3)
-    tangent: Floats  # (N, B, 3)
+    place: Floats  # (N, B, 3), near the base frame
+    tangent: Floats  # (N, B, 3), in the joint's
 
     @classmethod
     def of(cls, states: Floats, where: Places, frame: Frame) -> "_Poses":
         seen = seen_from_base(states, where)
         offset = (seen.rotation @ frame.offset[..., None])[..., 0]
-        return cls(seen.position + offset, seen.rotation[..., 2])
+        place = (seen.position + offset) @ frame.rotation.T + frame.origin
+        return cls(place, seen.rotation[..., 2])
 
 
 def _between(tangent: Floats, b: int, before: "int | None") -> Floats:
