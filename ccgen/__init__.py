@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 """Version of what generator and C runtime agree on; `CCGEN_FORMAT_VERSION` in C."""
 
 _HOMES = {

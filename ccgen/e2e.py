@@ -108,9 +108,13 @@ class Profile:
         return counter
 
 
+def p01_key(data_id: int) -> int:
+    """What the checksum of P01 takes from the data ID: the CRC of its bytes, which come first."""
+    return _CRC8[_CRC8[data_id & 0xFF] ^ (data_id >> 8)]
+
+
 def _p01_checksum(data_id: int, covered: Bytes) -> int:
-    start = _CRC8[_CRC8[data_id & 0xFF] ^ (data_id >> 8)]
-    return crc8_j1850(covered, start=start, xor=0x00)
+    return crc8_j1850(covered, start=p01_key(data_id), xor=0x00)
 
 
 def _p05_checksum(data_id: int, covered: Bytes) -> int:

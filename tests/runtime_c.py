@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from ccgen.e2e import p01_key
 from ccgen.resources import firmware
 
 HERE = Path(__file__).parent / "c"
@@ -56,7 +57,7 @@ def next_build() -> Path:
 @cache
 def load(flags: tuple[str, ...] = ("-O1", *UNDEFINED)) -> ctypes.CDLL:
     """The runtime, the sample joint, the shared port and the probes as one shared library."""
-    files = (*RUNTIME, *GLUE, HERE / "probe.c", PORTS / "shared" / "shared.c")
+    files = (*RUNTIME, *GLUE, HERE / "probe.c", HERE / "externs.c", PORTS / "shared" / "shared.c")
     library = ctypes.CDLL(str(compile_c(files, ("-shared", "-fPIC", *flags))))
     library.probe_axis.restype = ctypes.POINTER(Axis16)
     library.probe_sensors.restype = ctypes.POINTER(Sensors16)
@@ -64,15 +65,12 @@ def load(flags: tuple[str, ...] = ("-O1", *UNDEFINED)) -> ctypes.CDLL:
     library.probe_size.restype = ctypes.c_size_t
     library.probe_take_faults.restype = ctypes.c_uint8
     library.ccgen_shared_node_size.restype = ctypes.c_size_t
-    library.ccgen_e2e_header.restype = ctypes.c_size_t
+    library.ccgen_e2e_key.restype = ctypes.c_uint16
     library.ccgen_e2e_counter_modulus.restype = ctypes.c_uint16
     library.ccgen_layout_valid.restype = ctypes.c_bool
     library.ccgen_layout_publishes.restype = ctypes.c_bool
-    library.ccgen_layout_slots.restype = ctypes.c_uint8
-    library.ccgen_layout_lengths_frames.restype = ctypes.c_uint8
-    library.ccgen_layout_angles_frames.restype = ctypes.c_uint8
-    library.ccgen_layout_status_index.restype = ctypes.c_uint16
-    library.ccgen_layout_numbers.restype = ctypes.c_uint16
+    library.ccgen_layout_frame_length.restype = ctypes.c_uint8
+    library.ccgen_get_count.restype = ctypes.c_int32
     library.ccgen_layout_window_max_us.restype = ctypes.c_uint32
     library.ccgen_command_is.restype = ctypes.c_bool
     library.ccgen_snapshot_age_ms.restype = ctypes.c_uint8
@@ -113,7 +111,7 @@ class Frame(ctypes.Structure):
 
 
 class Layout(ctypes.Structure):
-    """`ccgen_layout_t`."""
+    """`ccgen_layout_t`; `completed` fills in what follows from the rest."""
 
     _fields_ = (
         ("base_id", ctypes.c_uint32),
@@ -130,7 +128,53 @@ class Layout(ctypes.Structure):
         ("publish", ctypes.c_uint8),
         ("rate_switch", ctypes.c_bool),
         ("commands", ctypes.c_bool),
+        ("numbers", ctypes.c_uint16),
+        ("values", ctypes.c_uint8),
+        ("counts_per_frame", ctypes.c_uint8),
+        ("angles_per_frame", ctypes.c_uint8),
+        ("lengths_frames", ctypes.c_uint8),
+        ("angles_frames", ctypes.c_uint8),
+        ("frame_bytes", ctypes.c_uint8),
+        ("last_lengths_bytes", ctypes.c_uint8),
+        ("last_angles_bytes", ctypes.c_uint8),
+        ("single_bytes", ctypes.c_uint8),
+        ("keys", ctypes.POINTER(ctypes.c_uint8)),
     )
+
+
+LENGTHS_OF_FD = (12, 16, 20, 24, 32, 48, 64)
+
+
+def frame_length(fd: bool, payload: int) -> int:
+    """Bytes of a frame with so many behind its header."""
+    return next(n for n in LENGTHS_OF_FD if n >= 3 + payload) if fd else 8
+
+
+def completed(origin: Layout, **changes: object) -> Layout:
+    """The layout with changes, and with what then follows from the rest."""
+    layout = Layout.from_buffer_copy(origin)
+    for name, value in changes.items():
+        if name == "rows":
+            layout.rows[:] = value
+        else:
+            setattr(layout, name, value)
+    fd, capacity = layout.fd, 61 if layout.fd else 6
+    layout.numbers = 256 if fd else 240 if layout.turn else 15
+    values = sum(layout.rows)
+    layout.values = values & 0xFF
+    counts, angles = capacity // layout.count_bytes, capacity // layout.angle_bytes
+    layout.counts_per_frame, layout.angles_per_frame = counts, angles
+    layout.lengths_frames = -(-layout.sensors // counts)
+    layout.angles_frames = -(-values // angles)
+    layout.frame_bytes = 64 if fd else 8
+    last = (layout.sensors - 1) % counts + 1, (values - 1) % angles + 1
+    layout.last_lengths_bytes = frame_length(fd, last[0] * layout.count_bytes)
+    layout.last_angles_bytes = frame_length(fd, last[1] * layout.angle_bytes)
+    layout.single_bytes = frame_length(fd, 6)
+    frames = layout.lengths_frames + layout.angles_frames + 4
+    ids = ((layout.base_id + index) & 0xFFFF for index in range(frames))
+    layout.keys = (ctypes.c_uint8 * frames)(*map(p01_key, ids))
+    return layout
 
 
 class Axis16(ctypes.Structure):

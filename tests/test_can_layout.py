@@ -220,3 +220,17 @@ def test_identifiers_beyond_the_bus_are_refused_with_the_highest_base():
         "at most 0x7f2 would fit"
     )
     assert layout_for(replace(JOINT, can=replace(JOINT.can, base_id=0x7F2)), NARROW)
+
+
+@given(layouts)
+def test_a_frame_is_as_short_as_its_signals_allow(layout):
+    """8 bytes on classic CAN; on CAN FD the shortest length of 12 and more that holds them."""
+    for frame in layout.frames:
+        needed = max(s.start + s.bits for s in frame.signals) / 8
+        shorter = [n for n in (12, 16, 20, 24, 32, 48, 64) if n < frame.length]
+        if layout.fd:
+            assert needed <= frame.length
+            assert frame.length in (12, 16, 20, 24, 32, 48, 64)
+            assert all(n < needed for n in shorter)
+        else:
+            assert needed <= frame.length == 8

@@ -55,7 +55,7 @@ def test_cantools_reads_every_frame_and_signal_back(name):
         assert message.frame_id == frame.id
         assert message.is_extended_frame == layout.extended
         assert message.is_fd == layout.fd
-        assert message.length == layout.frame_bytes
+        assert message.length == frame.length
         own = {"health": 100, "command": 0}
         assert message.cycle_time == own.get(frame.kind, layout.cycle_ms)
         assert message.dbc.attributes["E2EDataId"].value == frame.data_id

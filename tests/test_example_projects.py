@@ -142,7 +142,7 @@ def test_two_joints_are_two_arduino_libraries_in_one_sketch(joints, tmp_path):
     sketch.write_text(TWO_JOINTS_SKETCH)
     board = "arduino:avr:mega:cpu=atmega2560"
     assert arduino(sketch, joints, board, tmp_path / "build") == []
-    runtimes = (tmp_path / "build" / "libraries").rglob("ccgen/node.c.o")
+    runtimes = (tmp_path / "build" / "libraries").rglob("ccgen/crc.c.o")
     assert {f.parent.parent.name for f in runtimes} == {"shoulder", "wrist"}
 
 

@@ -291,7 +291,7 @@ def test_the_platformio_library_packs_and_a_wrong_field_does_not(exported, tmp_p
     done = pio_pack(exported / "shoulder", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     with tarfile.open(tmp_path / "shoulder-0.1.0.tar.gz") as archive:
-        assert {"library.json", "src/shoulder.c", "src/ccgen/node.c"} <= set(archive.getnames())
+        assert {"library.json", "src/shoulder.c", "src/ccgen/slcan.c"} <= set(archive.getnames())
     damaged = shutil.copytree(exported / "shoulder", tmp_path / "damaged")
     manifest = json.loads((damaged / "library.json").read_text())
     (damaged / "library.json").write_text(json.dumps(manifest | {"version": "first"}))

@@ -7,7 +7,7 @@ import e2e.p05
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from runtime_c import load
+from runtime_c import UNDEFINED, load
 
 P01, P05 = 0, 1
 ARGUMENT, FORMAT, CRC = -1, -3, -4
@@ -18,14 +18,25 @@ classic = st.binary(min_size=2, max_size=8)
 fd = st.binary(min_size=3, max_size=64)
 
 
-def protect(profile: int, data_id: int, counter: int, data: bytes) -> bytes:
-    buffer = ctypes.create_string_buffer(data, len(data))
-    assert load().ccgen_e2e_protect(profile, data_id, counter, buffer, len(data)) == 0
+TABLES = (256, 16)
+
+
+def library(entries: int = 256) -> ctypes.CDLL:
+    """The runtime with tables of so many entries."""
+    return load(("-O1", *UNDEFINED, *((f"-DCCGEN_CRC_TABLE={entries}",) if entries == 16 else ())))
+
+
+def protect(profile: int, data_id: int, counter: int, data: bytes, entries: int = 256) -> bytes:
+    c, buffer = library(entries), ctypes.create_string_buffer(data, len(data))
+    key = c.ccgen_e2e_key(profile, ctypes.c_uint16(data_id))
+    assert c.ccgen_e2e_protect(profile, key, counter, buffer, len(data)) == 0
     return buffer.raw
 
 
-def check(profile: int, data_id: int, data: bytes) -> int:
-    return load().ccgen_e2e_check(profile, data_id, bytes(data), len(data))
+def check(profile: int, data_id: int, data: bytes, entries: int = 256) -> int:
+    c = library(entries)
+    key = c.ccgen_e2e_key(profile, ctypes.c_uint16(data_id))
+    return c.ccgen_e2e_check(profile, key, bytes(data), len(data))
 
 
 def test_crc8_gives_its_check_value():
@@ -49,22 +60,38 @@ def test_crc16_gives_its_check_value():
     assert int.from_bytes(protected[:2], "little") == 0x29B1
 
 
+@pytest.mark.parametrize("entries", TABLES)
 @given(data_ids, st.integers(0, 14), classic)
-def test_p01_equals_autosar_e2e(data_id, counter, data):
+def test_p01_equals_autosar_e2e(entries, data_id, counter, data):
     oracle = bytearray(data)
     oracle[1] = oracle[1] & 0xF0 | counter
     e2e.p01.e2e_p01_protect(oracle, data_id, increment_counter=False)
-    assert protect(P01, data_id, counter, data) == oracle
-    assert check(P01, data_id, oracle) == counter
+    assert protect(P01, data_id, counter, data, entries) == oracle
+    assert check(P01, data_id, oracle, entries) == counter
 
 
+@pytest.mark.parametrize("entries", TABLES)
 @given(data_ids, st.integers(0, 255), fd)
-def test_p05_equals_autosar_e2e(data_id, counter, data):
+def test_p05_equals_autosar_e2e(entries, data_id, counter, data):
     oracle = bytearray(data)
     oracle[2] = counter
     e2e.p05.e2e_p05_protect(oracle, data_id, increment_counter=False)
-    assert protect(P05, data_id, counter, data) == oracle
-    assert check(P05, data_id, oracle) == counter
+    assert protect(P05, data_id, counter, data, entries) == oracle
+    assert check(P05, data_id, oracle, entries) == counter
+
+
+@pytest.mark.parametrize("entries", TABLES)
+@pytest.mark.parametrize(("profile", "length"), [(P01, 3), (P05, 4)])
+def test_every_remainder_of_a_byte_is_right(profile, length, entries):
+    """A table's entries all have their turn."""
+    for byte in range(256):
+        data = bytes(length - 1) + bytes((byte,))
+        oracle = bytearray(data)
+        if profile == P01:
+            e2e.p01.e2e_p01_protect(oracle, 0x1234, increment_counter=False)
+        else:
+            e2e.p05.e2e_p05_protect(oracle, 0x1234, increment_counter=False)
+        assert protect(profile, 0x1234, 0, data, entries) == oracle
 
 
 @given(st.sampled_from([P01, P05]), data_ids, st.integers(0, 14), fd, st.data())
@@ -93,7 +120,6 @@ def test_p01_counter_15_is_malformed():
 @pytest.mark.parametrize(("profile", "header", "modulus"), [(P01, 2, 15), (P05, 3, 256)])
 def test_arguments_are_checked_and_nothing_is_written(profile, header, modulus):
     c = load()
-    assert c.ccgen_e2e_header(profile) == header
     assert c.ccgen_e2e_counter_modulus(profile) == modulus
     data = ctypes.create_string_buffer(b"\xaa" * 8, 8)
     assert c.ccgen_e2e_protect(profile, 1, 0, None, 8) == ARGUMENT

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from runtime_c import HERE, UNDEFINED, Frame, Layout, compile_c, load
+from runtime_c import HERE, UNDEFINED, Frame, compile_c, completed, load
 from test_runtime_snapshot import CLASSIC
 
 from ccgen.can.codec import Health, health_of
@@ -354,8 +354,7 @@ def test_a_reading_out_of_its_range_is_not_where_a_capture_begins():
 
 @pytest.mark.parametrize("commands", [False, True])
 def test_a_command_is_one_where_the_layout_has_commands(commands):
-    layout = Layout.from_buffer_copy(CLASSIC)
-    layout.commands = commands
+    layout = completed(CLASSIC, commands=commands)
     index = 3 + 8 + 3  # behind lengths, angles, tip, status, health
     sent = Frame()
     load().ccgen_layout_begin(ctypes.byref(layout), ctypes.c_uint16(index), ctypes.byref(sent))

@@ -57,11 +57,15 @@ def test_beyond_its_contract_the_observer_sees_mixes(without_turn, tmp_path):
 @pytest.mark.parametrize(
     ("file", "right", "wrong"),
     [
-        ("snapshot.c", "begin(snapshot, snapshot->newest);", ";"),
-        ("snapshot.c", "? now_us : snapshot->now_us", "? now_us : now_us"),
-        ("layout.c", "!layout->fd && layout->turn;", "layout->fd && layout->turn;"),
-        ("snapshot.c", "> snapshot->window_us) {", "> snapshot->window_us / 64u) {"),
-        ("snapshot.c", "snapshot->stale = false;\n    snapshot->aged = false;", ""),
+        ("snapshot_inline.h", "ccgen_snapshot_begin(snapshot, snapshot->newest);", ";"),
+        ("snapshot_inline.h", "? now_us : snapshot->now_us", "? now_us : now_us"),
+        ("layout_inline.h", "!layout->fd && layout->turn;", "layout->fd && layout->turn;"),
+        (
+            "snapshot_inline.h",
+            "first_us) > snapshot->window_us",
+            "first_us) > snapshot->window_us / 64u",
+        ),
+        ("snapshot_inline.h", "snapshot->stale = false;\n    snapshot->aged = false;", ""),
     ],
 )
 def test_a_planted_fault_is_found(shoulder, tmp_path, file, right, wrong):

@@ -4,7 +4,7 @@ import ctypes
 from collections.abc import Iterable
 
 import pytest
-from runtime_c import NO_READING, Frame, Layout, junk, load
+from runtime_c import NO_READING, Frame, Layout, completed, junk, load
 from test_runtime_snapshot import CLASSIC, FD, frames_of, profile_of
 
 ARGUMENT = -1
@@ -47,12 +47,15 @@ class Bare:
     def overruns(self) -> int:
         return self.c.probe_overruns(self.state)
 
-    def transmit32(self, u: list[int], v: list[int], now: int = 0) -> list[Frame]:
-        """All that is due of a joint of precision 32."""
+    def transmit(self, u: list[int], v: list[int], now: int = 0) -> list[Frame]:
+        """All that is due."""
         layout, sent = ctypes.byref(self.layout), Frame()
-        angles = lists_of((ctypes.c_int32 * len(axis))(*axis) for axis in (u, v))
+        wide = self.layout.angle_bytes == 4
+        kind = ctypes.c_int32 if wide else ctypes.c_int16
+        angles = lists_of((kind * len(axis))(*axis) for axis in (u, v))
+        function = getattr(self.c, f"ccgen_node_transmit{32 if wide else 16}")
         frames = []
-        while self.c.ccgen_node_transmit32(layout, self.state, angles, now, ctypes.byref(sent)):
+        while function(layout, self.state, angles, now, ctypes.byref(sent)):
             frames.append(Frame.from_buffer_copy(sent))
             assert len(frames) < 1000
         return frames
@@ -64,8 +67,7 @@ class Bare:
 
 @pytest.mark.parametrize("rows", [(12, 12, 0), (0, 4, 1), (3, 0, 0), (0, 0, 2), (5, 4, 3)])
 def test_a_node_begins_without_an_estimate_with_the_models_zero_and_no_command(rows):
-    layout = Layout.from_buffer_copy(CLASSIC)
-    layout.publish, layout.fingerprint, layout.rows[:] = 8, 0x1234, rows
+    layout = completed(CLASSIC, publish=8, fingerprint=0x1234, rows=rows)
     some, sent = (ctypes.c_int16 * 64)(), Frame()
     node, angles = Bare(layout), lists_of([some, some])
     angles[2] = ctypes.addressof(some)
@@ -81,19 +83,17 @@ def test_a_node_begins_without_an_estimate_with_the_models_zero_and_no_command(r
 
 @pytest.mark.parametrize(("origin", "values"), [(CLASSIC, 15), (FD, 256)])
 def test_the_counter_of_health_runs_through_all_values(origin, values):
-    layout = Layout.from_buffer_copy(origin)
-    layout.publish = 8
+    layout = completed(origin, publish=8)
     node, zeros = Bare(layout), [0] * layout.rows[0]
     for k in range(2 * values + 2):
-        (health,) = node.transmit32(zeros, zeros, now=100_000 * k)
+        (health,) = node.transmit(zeros, zeros, now=100_000 * k)
         checked = profile_of(layout).check(health.id & 0xFFFF, health.payload())
         assert checked == k % values
 
 
 @pytest.mark.parametrize("width", [3, 4])
 def test_a_count_of_the_bus_that_16_bits_do_not_hold_is_no_reading(width):
-    layout = Layout.from_buffer_copy(CLASSIC)
-    layout.count_bytes = width
+    layout = completed(CLASSIC, count_bytes=width)
     node = Bare(layout)
     node.receive([32767, 32768, -32767, -32768, -32769, 2**23 - 1, -(2 ** (8 * width - 1))])
     assert node.counts(16) == [32767, -32768, -32767, -32768, -32768, -32768, -32768]
@@ -124,8 +124,7 @@ def test_counts_of_sensors_that_no_snapshot_has_are_refused(precision):
 @pytest.mark.parametrize("precision", [16, 32])
 @pytest.mark.parametrize("rows", [(3, 0, 2), (0, 4, 1), (2, 3, 0), (0, 0, 1), (5, 4, 3)])
 def test_values_go_out_axis_by_axis_and_an_axis_without_rows_needs_none(rows, precision):
-    layout = Layout.from_buffer_copy(CLASSIC)
-    layout.rows[:], layout.angle_bytes, layout.publish = rows, precision // 8, 1
+    layout = completed(CLASSIC, rows=rows, angle_bytes=precision // 8, publish=1)
     kind = ctypes.c_int16 if precision == 16 else ctypes.c_int32
     axes = [(kind * n)(*(1000 * axis - k for k in range(n))) for axis, n in enumerate(rows, 1)]
     angles = (ctypes.c_void_p * 3)(*(ctypes.addressof(axis) if axis else None for axis in axes))
@@ -167,15 +166,14 @@ def test_an_estimate_needs_a_tip_and_a_failure_does_not():
 
 @pytest.mark.parametrize(("classic", "per_frame"), [(True, 1), (False, 15)])
 def test_angles_of_32_bits_go_out_u_then_v_under_their_snapshots_number(classic, per_frame):
-    layout = Layout.from_buffer_copy(CLASSIC if classic else FD)
-    layout.angle_bytes, layout.rows = 4, (11, 11, 0)
+    layout = completed(CLASSIC if classic else FD, angle_bytes=4, rows=(11, 11, 0))
     node, header = Bare(layout), 2 if classic else 3
-    node.transmit32([0] * 11, [0] * 11)
+    node.transmit([0] * 11, [0] * 11)
     node.receive([5] * layout.sensors)
     u, v = [10**8 * k - 7 for k in range(11)], [3 - 10**8 * k for k in range(11)]
     for result, missing in ((0, 0), (-2, 1)):
         node.publish(result, missing, (ctypes.c_int16 * 3)(1, -2, 3))
-        *angles, tip, _ = node.transmit32(u, v)
+        *angles, tip, _ = node.transmit(u, v)
         assert len(angles) == -(-22 // per_frame)
         sent = b"".join(got.payload()[header : header + 4 * per_frame] for got in angles)
         values = [int.from_bytes(sent[k : k + 4], "little", signed=True) for k in range(0, 88, 4)]
@@ -191,11 +189,10 @@ def test_angles_of_32_bits_go_out_u_then_v_under_their_snapshots_number(classic,
 @pytest.mark.parametrize("publish", range(8))
 def test_an_answer_has_the_frames_that_are_published_in_their_order(publish, segments):
     """They are fetched one by one, and the next answer replaces none of them."""
-    layout = Layout.from_buffer_copy(CLASSIC)
-    layout.publish, layout.rows[:] = publish, (segments, segments, 0)
+    layout = completed(CLASSIC, publish=publish, rows=(segments, segments, 0))
     node, sent = Bare(layout), Frame()
     some = lists_of([(ctypes.c_int16 * segments)()] * 2)
-    node.transmit32([0] * segments, [0] * segments)
+    node.transmit([0] * segments, [0] * segments)
     angles = -(-2 * segments // 3)
     parts = [range(3, 3 + angles), [3 + angles], [4 + angles]]
     expected = [index for bit, part in enumerate(parts) if publish >> bit & 1 for index in part]
@@ -225,6 +222,17 @@ def test_an_answer_of_which_only_the_status_was_not_fetched_is_an_overrun():
     assert [*overruns, node.overruns] == [0, 0, 1, 2]
 
 
+@pytest.mark.parametrize("precision", [16, 32])
+def test_angles_of_the_other_precision_than_the_layouts_are_refused(precision):
+    layout = completed(CLASSIC, angle_bytes=6 - precision // 8)
+    node, some, sent = Bare(layout), (ctypes.c_int32 * 64)(), Frame()
+    before = node.state.raw
+    transmit = getattr(node.c, f"ccgen_node_transmit{precision}")
+    arguments = (ctypes.byref(layout), node.state, lists_of([some, some]), 0, ctypes.byref(sent))
+    assert transmit(*arguments) == ARGUMENT
+    assert node.state.raw == before
+
+
 def test_null_pointers_are_refused():
     node, layout, some = Bare(), ctypes.byref(CLASSIC), (ctypes.c_int32 * 64)()
     c, state, sent = node.c, node.state, ctypes.byref(Frame())
@@ -234,6 +242,7 @@ def test_null_pointers_are_refused():
     for arguments in ((None, state, sent), (layout, None, sent), (layout, state, None)):
         assert c.ccgen_node_receive(*arguments, 0) == ARGUMENT
     for precision in (16, 32):
+        layout = ctypes.byref(completed(CLASSIC, angle_bytes=precision // 8))
         counts = getattr(c, f"ccgen_node_counts{precision}")
         transmit = getattr(c, f"ccgen_node_transmit{precision}")
         assert counts(None, 0, 7, some) == ARGUMENT

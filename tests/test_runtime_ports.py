@@ -355,11 +355,11 @@ def test_socketcan_ignores_what_is_no_frame():
 def test_socketcan_carries_can_fd():
     from ccgen.e2e import P05
 
-    data = P05.protect(0x300, 77, bytes(3) + np.array(COUNTS, "<i2").tobytes() + bytes(49))
+    data = P05.protect(0x300, 77, bytes(3) + np.array(COUNTS, "<i2").tobytes() + bytes(1))
     with on_socket("-DSAMPLE_FD=1") as (near, _):
         near.send(wire(0x300, data, fd=True))
         (angles_id, angles), (tip_id, tip) = receive_answer(near, 0x302)
-        assert (angles_id, tip_id, len(angles), len(tip)) == (0x301, 0x302, 64, 64)
+        assert (angles_id, tip_id, len(angles), len(tip)) == (0x301, 0x302, 64, 12)
         assert (P05.check(angles_id, angles), P05.check(tip_id, tip)) == (77, 77)
         assert np.frombuffer(angles[3:51], "<i2").tolist() == expected()
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from runtime_c import NO_READING, Frame, Layout, frame, junk, load
+from runtime_c import NO_READING, Frame, Layout, completed, frame, frame_length, junk, load
 
 from ccgen.e2e import P01, P05, Profile
 
@@ -16,14 +16,14 @@ WINDOW = 4_000
 NUMBERS = 240
 NAMES = ("snapshots", "corrupted", "malformed", "repeated", "reordered", "lost", "late")
 
-CLASSIC = Layout(
+CLASSIC = completed(Layout(
     base_id=0x300, extended=False, fd=False, turn=True, sensors=7, rows=(12, 12, 0),
     count_bytes=2, angle_bytes=2, cycle_us=CYCLE, window_us=WINDOW, publish=7,
-)  # fmt: skip
-FD = Layout(
+))  # fmt: skip
+FD = completed(Layout(
     base_id=0x18000, extended=True, fd=True, turn=False, sensors=16, rows=(48, 48, 0),
     count_bytes=4, angle_bytes=4, cycle_us=CYCLE, window_us=WINDOW, publish=7,
-)  # fmt: skip
+))  # fmt: skip
 
 
 class Snapshot:
@@ -82,7 +82,7 @@ def signals(layout: Layout) -> int:
 def frames_of(layout: Layout, number: int, counts: list[int]) -> list[Frame]:
     """The LENGTHS frames of one snapshot, as a sender makes them."""
     turn, counter = (0, number) if layout.fd else divmod(number, 15)
-    share, length = signals(layout), 64 if layout.fd else 8
+    share = signals(layout)
     made = []
     for slot, first in enumerate(range(0, len(counts), share)):
         body = b"".join(
@@ -90,6 +90,7 @@ def frames_of(layout: Layout, number: int, counts: list[int]) -> list[Frame]:
             for count in counts[first : first + share]
         )
         header = bytes(3) if layout.fd else bytes((0, turn << 4))
+        length = frame_length(layout.fd, len(body))
         id_ = layout.base_id + slot
         data = profile_of(layout).protect(
             id_ & 0xFFFF, counter, (header + body).ljust(length, b"\0")
@@ -120,8 +121,7 @@ def test_complete_snapshots_come_out_whole():
 
 
 def test_without_the_turn_numbers_are_the_counter_whatever_the_nibble_beside_it_holds():
-    layout = Layout.from_buffer_copy(CLASSIC)
-    layout.turn = False
+    layout = completed(CLASSIC, turn=False)
     snapshot = Snapshot(layout)
     for k in range(40):
         frames = frames_of(layout, k % 15 + 15 * (k % 3), numbered(k))
@@ -262,8 +262,7 @@ def test_frames_from_the_past_are_ignored_even_amid_a_new_snapshot():
     ],
 )  # fmt: skip
 def test_half_the_numbers_are_the_future_and_half_the_past(turn, ahead, newer):
-    layout = Layout.from_buffer_copy(CLASSIC)
-    layout.turn = turn
+    layout = completed(CLASSIC, turn=turn)
     snapshot = Snapshot(layout)
     send(snapshot, 5, 0)
     numbers = NUMBERS if turn else 15
@@ -362,8 +361,8 @@ def test_the_window_includes_its_end_and_can_be_widened():
     ],
 )  # fmt: skip
 def test_a_window_wider_than_the_numbers_allow_is_refused(fd, turn, cycle_us, widest):
-    layout = Layout.from_buffer_copy(FD if fd else CLASSIC)
-    layout.turn, layout.cycle_us, layout.window_us = turn, cycle_us, cycle_us
+    origin = FD if fd else CLASSIC
+    layout = completed(origin, turn=turn, cycle_us=cycle_us, window_us=cycle_us)
     assert load().ccgen_layout_window_max_us(ctypes.byref(layout)) == widest
     snapshot = Snapshot(layout)
     set_window = snapshot.c.ccgen_snapshot_set_window
@@ -382,9 +381,9 @@ def test_a_window_wider_than_the_numbers_allow_is_refused(fd, turn, cycle_us, wi
     ("fd", "turn", "numbers"), [(0, 1, 240), (0, 0, 15), (1, 0, 256), (1, 1, 256)]
 )
 def test_numbers_are_as_many_as_counter_and_turn_give(fd, turn, numbers):
-    layout = Layout.from_buffer_copy(FD if fd else CLASSIC)
-    layout.turn = bool(turn)
-    assert load().ccgen_layout_numbers(ctypes.byref(layout)) == numbers
+    layout = completed(FD if fd else CLASSIC, turn=bool(turn))
+    assert load().ccgen_layout_valid(ctypes.byref(layout))
+    assert layout.numbers == numbers
     sent = frames_of(layout, 3, [0] * layout.sensors)[0]
     protect, check = load().ccgen_layout_protect, load().ccgen_layout_check
     for number in range(256):
@@ -496,8 +495,7 @@ def test_an_age_may_be_asked_for_at_a_time_that_nothing_has_told_yet():
 @pytest.mark.parametrize("width", [2, 3, 4])
 def test_counts_of_every_width_keep_their_sign_and_no_reading(width):
     top = 2 ** (8 * width - 1)
-    layout = Layout.from_buffer_copy(CLASSIC)
-    layout.count_bytes = width
+    layout = completed(CLASSIC, count_bytes=width)
     snapshot = Snapshot(layout)
     counts = [0, 1, -1, top - 1, 1 - top, -top, 12345]
     results = [snapshot.receive(f, 0) for f in frames_of(layout, 0, counts)]
@@ -515,8 +513,7 @@ def test_counts_of_every_width_keep_their_sign_and_no_reading(width):
     ],
 )  # fmt: skip
 def test_impossible_layouts_are_refused(name, value):
-    layout = Layout.from_buffer_copy(CLASSIC)
-    setattr(layout, name, value)
+    layout = completed(CLASSIC, **{name: value})
     state = ctypes.create_string_buffer(load().probe_size(3))
     assert load().ccgen_snapshot_init(ctypes.byref(layout), state) == -1
     assert not load().ccgen_layout_valid(ctypes.byref(layout))

@@ -177,7 +177,7 @@ class Codec:
             return None  # the bus itself
         if message.is_remote_frame:
             return Refused(entry.spec.kind, "remote")
-        if not self._well_formed(message):
+        if not self._well_formed(message, entry):
             return Refused(entry.spec.kind, "format")
         try:
             counter = self._profile.check(entry.spec.data_id, message.data)
@@ -191,8 +191,8 @@ class Codec:
         number = turn * self.layout.counter_modulus + counter
         return Decoded(entry.spec.kind, entry.index, number, values)
 
-    def _well_formed(self, message: can.Message) -> bool:
-        return len(message.data) == self.layout.frame_bytes and message.is_fd == self.layout.fd
+    def _well_formed(self, message: can.Message, entry: _Entry) -> bool:
+        return len(message.data) == entry.spec.length and message.is_fd == self.layout.fd
 
     def _message(self, entry: _Entry, values: Sequence[int], number: int) -> can.Message:
         turn, counter = divmod(number, self.layout.counter_modulus)
@@ -235,7 +235,7 @@ def _entries(layout: FrameLayout, database: Database) -> list[_Entry]:
             ) from error
         described = [(s.name, s.start, s.length, s.is_signed) for s in message.signals]
         expected = [(s.name, s.start, s.bits, s.signed) for s in spec.signals]
-        if (message.frame_id, message.length, described) != (spec.id, layout.frame_bytes, expected):
+        if (message.frame_id, message.length, described) != (spec.id, spec.length, expected):
             raise InputError(f"the DBC describes {spec.name} otherwise; export the joint again")
         index = sum(entry.spec.kind == spec.kind for entry in found)
         found.append(_Entry(spec, index, message, tuple(s.name for s in spec.payload)))

@@ -2,11 +2,11 @@
 
 A joint owns consecutive identifiers from `base_id`: the LENGTHS frames that sensors send, the
 ANGLES frames that the node answers with (u, v, then h), one TIP, one STATUS, one HEALTH and one
-COMMAND frame. All frames have one length (8 bytes, or 64 on CAN FD) and open with the header of an
-end-to-end profile: P01 on classic CAN (CRC-8, 4-bit counter), P05 on CAN FD (CRC-16, 8-bit
-counter). Signals follow the
-header without gaps, little-endian; bytes left over are zero. The most negative value of a signed
-signal means: no reading. What a joint does not publish, or obey, keeps its identifier.
+COMMAND frame. A frame has 8 bytes, on CAN FD as many as it needs (12, 16, 20, 24, 32, 48 or 64),
+and opens with the header of an end-to-end profile: P01 on classic CAN (CRC-8, 4-bit counter), P05
+on CAN FD (CRC-16, 8-bit counter). Signals follow the header without gaps, little-endian; bytes left
+over are zero. The most negative value of a signed signal means: no reading. What a joint does not
+publish, or obey, keeps its identifier.
 
 Every sending of the sensors has a number, which LENGTHS, ANGLES and TIP carry: on CAN FD the
 counter; on classic CAN `turn * 15 + counter`, where the turn lies in the nibble that P01 leaves to
@@ -24,6 +24,7 @@ from ccgen.joint import Geometry, Joint
 from ccgen.joint.frames import (
     SINGLE_FRAMES,
     frame_bytes,
+    frame_length,
     frames_for,
     header_bytes,
     values_per_frame,
@@ -115,11 +116,12 @@ class Signal:
 
 @dataclass(frozen=True)
 class FrameSpec:
-    """One frame of the joint; `data_id` enters its checksum without being sent."""
+    """One frame of the joint, `length` bytes; `data_id` enters its checksum without being sent."""
 
     id: int
     name: str
     kind: Kind
+    length: int
     signals: tuple[Signal, ...]
 
     @property
@@ -171,7 +173,7 @@ class FrameLayout:
 
     @property
     def frame_bytes(self) -> int:
-        """Length of every frame."""
+        """Length of LENGTHS and ANGLES frames, but for the last of each."""
         return frame_bytes(self.fd)
 
     @property
@@ -308,8 +310,9 @@ class FrameLayout:
         header = _P05_HEADER if self.fd else _P01_HEADER
         if self.has_turn and kind in ("lengths", "angles", "tip"):
             header = (*header, _TURN)
-        signals = (*header, *_packed(8 * self.header_bytes, payload))
-        return FrameSpec(frame_id, name, kind, signals)
+        values = tuple(_packed(8 * self.header_bytes, payload))
+        length = frame_length(self.fd, sum(s.bits for s in values) // 8)
+        return FrameSpec(frame_id, name, kind, length, (*header, *values))
 
 
 _Field = tuple[str, Quantity, int, bool]

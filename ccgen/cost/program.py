@@ -17,6 +17,9 @@ FLAGS = (
     "-fstack-usage",
 )  # fmt: skip
 
+_OF_THE_HOST = {HOST: ("-mno-red-zone",)}
+"""What a leaf uses below the stack pointer stands in no record of its frame."""
+
 CALLS = ("estimate", "tip_pose", "node_receive", "node_transmit")
 """Functions that are measured, without the joint's name."""
 
@@ -59,7 +62,8 @@ def compile_measured(exported: Exported, core: Core, folder: Path, level: str = 
     joint = exported.joint.name
     main = folder / f"{HARNESS}.c"
     main.write_text(harness.source(exported), encoding="utf-8")
-    compiler = [*core.compile, level, *FLAGS, f"-I{exported.directory.absolute() / 'src'}"]
+    flags = (*FLAGS, *_OF_THE_HOST.get(core.name, ()))
+    compiler = [*core.compile, level, *flags, f"-I{exported.directory.absolute() / 'src'}"]
     objects = []
     for file in (*sources(exported.directory), main):
         prefix = "ccgen_" if file.parent.name == "ccgen" else ""

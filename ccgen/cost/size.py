@@ -83,7 +83,9 @@ def _part(file: str, joint: str) -> str | None:
 def _size(section: str, size: int) -> Size:
     if section.startswith(".text"):
         return Size(code=size)
-    if section.startswith((".rodata", ".srodata", ".progmem")):
+    if section.startswith(".progmem"):  # of AVR: not copied to RAM, as constants are
+        return Size(code=size)
+    if section.startswith((".rodata", ".srodata")):
         return Size(constants=size)
     if section.startswith((".data", ".sdata", ".bss", ".sbss", "COMMON")):
         return Size(variables=size)

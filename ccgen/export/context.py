@@ -8,6 +8,7 @@ from ccgen.can.fingerprint import fingerprint
 from ccgen.can.layout import COMMANDS, FAULT_MEANINGS, HEALTH_MS, RESULT_MEANINGS, FrameLayout
 from ccgen.can.load import load_percent
 from ccgen.digits import at_least
+from ccgen.e2e import p01_key
 from ccgen.export.literals import float_literal
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.joint import Joint
@@ -48,6 +49,7 @@ def can_context(layout: FrameLayout, joint: Joint, model: FixedPointModel) -> di
             "still": [f"INT32_C({count})" for count in still],
         },
         "layout": layout,
+        "frame_keys": _rows([f"0x{p01_key(frame.data_id):02X}u" for frame in layout.frames]),
         "faults": list(FAULT_MEANINGS.items()),
         "bitrate": joint.can.bitrate,
         "bus_load_percent": at_least(load_percent(layout, joint.can.bitrate)),
@@ -55,3 +57,8 @@ def can_context(layout: FrameLayout, joint: Joint, model: FixedPointModel) -> di
         "tip_metres_per_step": float_literal(2.0**-layout.tip_fraction_bits),
         "tip_steps_per_metre": float_literal(2.0**layout.tip_fraction_bits),
     }
+
+
+def _rows(words: list[str], width: int = 12) -> list[list[str]]:
+    """Words of a table in C, so many a line."""
+    return [words[k : k + width] for k in range(0, len(words), width)]

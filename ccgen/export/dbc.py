@@ -102,7 +102,7 @@ def _message(layout: FrameLayout, frame: FrameSpec, meanings: "_Meanings") -> Me
     return Message(
         frame_id=frame.id,
         name=frame.name,
-        length=layout.frame_bytes,
+        length=frame.length,
         signals=[_signal(signal, meanings.of(signal), receivers) for signal in frame.signals],
         comment=_FRAME_COMMENTS[frame.kind],
         senders=[_SENDERS.get(frame.kind, _node)(layout)],

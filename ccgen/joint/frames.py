@@ -4,9 +4,19 @@ SINGLE_FRAMES = 4
 """Tip, status, health and command, of which a joint has one each."""
 
 
+FD_LENGTHS = (12, 16, 20, 24, 32, 48, 64)
+"""Lengths of CAN FD frames that are used."""
+
+
 def frame_bytes(fd: bool) -> int:
-    """Length of every frame, of CAN FD or of classic CAN."""
-    return 64 if fd else 8
+    """Longest frame, of CAN FD or of classic CAN."""
+    return FD_LENGTHS[-1] if fd else 8
+
+
+def frame_length(fd: bool, payload_bytes: int) -> int:
+    """Length of a frame with so many bytes behind its header: 8, on CAN FD the shortest."""
+    needed = header_bytes(fd) + payload_bytes
+    return next(length for length in FD_LENGTHS if length >= needed) if fd else frame_bytes(fd)
 
 
 def header_bytes(fd: bool) -> int:

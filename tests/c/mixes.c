@@ -134,7 +134,7 @@ static void check_angles(const int32_t *const counts) {
 /** The counts that the rule has put together. */
 static void read_counts(int32_t *const counts) {
     const uint8_t bytes = layout->count_bytes;
-    const uint8_t per_frame = ccgen_layout_slots(layout, bytes);
+    const uint8_t per_frame = layout->counts_per_frame;
     for (uint16_t j = 0; j < SENSORS; ++j) {
         const uint8_t *const at = &run.rule.taken[j / per_frame].bytes[(j % per_frame) * bytes];
         const int64_t count = read_signed(at, bytes);
@@ -260,7 +260,7 @@ static uint32_t syndrome(const ccgen_frame_t *const frame) {
 /** Enumerates flips of 1, 2 and 3 bits. \param[out] rates shares of them that the check misses */
 static void miss_rates(double rates[TRAFFIC_BITS + 1u]) {
     static uint32_t flips[8u * CCGEN_FRAME_CAPACITY];
-    const uint32_t bits = 8u * ccgen_layout_frame_length(layout);
+    const uint32_t bits = 8u * ccgen_layout_frame_length(layout, 0);
     uint64_t missed[TRAFFIC_BITS + 1u] = {0, 0, 0, 0};
     ccgen_frame_t frame;
     memset(&frame, 0, sizeof frame);
@@ -330,7 +330,7 @@ static void start(const char *const argv[]) {
     CHECK(port_node_init(&run.node) == CCGEN_OK);
     CHECK(port_node_set_window(&run.node, (uint32_t)window_us) == CCGEN_OK);
     read_zero(&run.node.joint, run.zero);
-    rule_start(&run.rule, numbers_of_joint(), ccgen_layout_lengths_frames(layout), layout->cycle_us,
+    rule_start(&run.rule, numbers_of_joint(), layout->lengths_frames, layout->cycle_us,
                window_us);
     traffic_start(&run.traffic, &mix, window_us, START_US + TRAFFIC_LAG_US);
     transmit(START_US);

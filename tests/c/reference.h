@@ -8,6 +8,7 @@
 #ifndef REFERENCE_H
 #define REFERENCE_H
 
+#include "ccgen/layout_inline.h"
 #include "must.h"
 #include "port_joint.h"
 
@@ -129,9 +130,36 @@ static inline uint32_t check_value(const ccgen_frame_t *const frame) {
     return crc;
 }
 
+/** \return the length that a frame has by what it carries. */
+static inline uint8_t length_of(const uint16_t index) {
+    static const uint8_t lengths[] = {12, 16, 20, 24, 32, 48, 64};
+    const uint16_t counts = (uint16_t)(61u / layout->count_bytes);
+    const uint16_t angles = (uint16_t)(61u / layout->angle_bytes);
+    const uint16_t lengths_frames = (uint16_t)((SENSORS + counts - 1u) / counts);
+    const bool is_lengths = (index < lengths_frames);
+    const uint16_t slot = (uint16_t)(is_lengths ? index : (index - lengths_frames));
+    const uint16_t per_frame = is_lengths ? counts : angles;
+    const uint16_t all = is_lengths ? SENSORS : PORT_VALUES;
+    const uint16_t bytes = is_lengths ? layout->count_bytes : layout->angle_bytes;
+    uint16_t payload = 6;
+    uint8_t k = 0;
+    if (!layout->fd) {
+        return 8;
+    }
+    if ((slot * per_frame) < all) {
+        const uint16_t left = (uint16_t)(all - slot * per_frame);
+        payload = (uint16_t)(((left < per_frame) ? left : per_frame) * bytes);
+    }
+    while (lengths[k] < (3u + payload)) {
+        ++k;
+    }
+    return lengths[k];
+}
+
 /** \return the number of a frame that a receiver must take; negative: why it must not. */
 static inline int verdict(const ccgen_frame_t *const frame) {
-    if (frame->remote || (frame->fd != layout->fd) || (frame->length != (layout->fd ? 64u : 8u))) {
+    if (frame->remote || (frame->fd != layout->fd) ||
+        (frame->length != length_of((uint16_t)(frame->id - layout->base_id)))) {
         return CCGEN_ERROR_FORMAT;
     }
     const uint32_t crc = check_value(frame);
@@ -168,7 +196,7 @@ static inline void protect(ccgen_frame_t *const frame, const int number) {
 static inline void make_lengths(const int32_t *const counts, const uint16_t place, const int number,
                                 ccgen_frame_t *const frame) {
     const uint8_t bytes = layout->count_bytes;
-    const uint8_t per_frame = ccgen_layout_slots(layout, bytes);
+    const uint8_t per_frame = layout->counts_per_frame;
     uint8_t *const payload = frame->data + (layout->fd ? 3 : 2);
     memset(frame, 0, sizeof *frame);
     ccgen_layout_begin(layout, place, frame);
@@ -183,7 +211,7 @@ static inline void make_lengths(const int32_t *const counts, const uint16_t plac
 
 /** \return bytes that the counts of a LENGTHS frame take. */
 static inline uint8_t counts_length(const uint16_t place) {
-    const uint8_t per_frame = ccgen_layout_slots(layout, layout->count_bytes);
+    const uint8_t per_frame = layout->counts_per_frame;
     const uint16_t before = (uint16_t)(place * per_frame);
     const uint16_t left = (uint16_t)(SENSORS - before);
     return (uint8_t)(((left < per_frame) ? left : per_frame) * layout->count_bytes);

@@ -135,7 +135,7 @@ static inline transit_t traffic_pop(traffic_t *const traffic) {
 
 /** Chooses different bits of a frame. */
 static inline void traffic_choose_bits(transit_t *const frame) {
-    const uint32_t bits = 8u * ccgen_layout_frame_length(layout);
+    const uint32_t bits = 8u * ccgen_layout_frame_length(layout, frame->place);
     const uint32_t first = traffic_draw(bits);
     const uint32_t second = traffic_draw(bits - 1u);
     const uint32_t third = traffic_draw(bits - 2u);
@@ -262,7 +262,7 @@ static inline void traffic_restart(traffic_t *const traffic, const uint64_t now_
 /** One sending, at next_us: its frames go under way. */
 static inline traffic_sending_t *traffic_send(traffic_t *const traffic) {
     const traffic_mix_t *const mix = &traffic->mix;
-    const uint8_t places = ccgen_layout_lengths_frames(layout);
+    const uint8_t places = layout->lengths_frames;
     const uint32_t gap_us = layout->cycle_us / 40u;
     const uint64_t begin_us = traffic->next_us + traffic_draw(layout->cycle_us / 10u);
     const bool restarts = traffic_happens(mix->restart);
@@ -296,7 +296,7 @@ static inline void traffic_arrive(traffic_t *const traffic, const transit_t *con
         frame->data[transit->bits[k] / 8u] ^= (uint8_t)(1u << (transit->bits[k] % 8u));
     }
     if (transit->truncated) {
-        frame->length = (uint8_t)(layout->fd ? 48u : (frame->length - 1u));
+        frame->length = (uint8_t)(frame->length - 1u);
     }
 }
 

@@ -3,20 +3,18 @@
 from mutants.mutant import of
 
 E2E = of(
-    "src/e2e.c",
+    "include/ccgen/e2e_inline.h",
     ("test_runtime_e2e.py",),
-    ("CRC8_J1850_POLYNOMIAL 0x1Du", "CRC8_J1850_POLYNOMIAL 0x2Fu"),
-    ("CRC16_CCITT_POLYNOMIAL 0x1021u", "CRC16_CCITT_POLYNOMIAL 0x8005u"),
-    ("CRC16_CCITT_START 0xFFFFu", "CRC16_CCITT_START 0x1D0Fu"),
-    ("P01_HEADER 2u", "P01_HEADER 3u"),
-    ("P05_COUNTERS 256u", "P05_COUNTERS 255u"),
-    ("(value & 0x80u)", "(value & 0x40u)"),
-    ("(value & 0x8000u)", "(value & 0x4000u)"),
-    ("crc8_byte(0, ", "crc8_byte(0xFF, "),
+    ("CCGEN_E2E_P05_START 0xFFFFu", "CCGEN_E2E_P05_START 0x1D0Fu"),
+    ("ccgen_crc8(ccgen_crc8(0, ", "ccgen_crc8(ccgen_crc8(0xFF, "),
+    ("(uint8_t)(data_id >> 8)", "0"),
+    ("    uint8_t crc = (uint8_t)key;\n", "    uint8_t crc = (uint8_t)(key & 0xFEu);\n"),
     ("size_t i = 1;", "size_t i = 2;"),
     ("size_t i = 2;", "size_t i = 3;"),
-    ("    crc = crc8_byte(crc, (uint8_t)(data_id >> 8));\n", ""),
-    ("return crc16_byte(crc, (uint8_t)(data_id >> 8));", "return crc;"),
+    ("return ccgen_crc16(crc, (uint8_t)(key >> 8));", "return crc;"),
+    ("    crc = ccgen_crc16(crc, (uint8_t)(key & 0xFFu));\n", ""),
+    ("? CCGEN_E2E_P01_HEADER", "? CCGEN_E2E_P05_HEADER"),
+    ("? CCGEN_E2E_P01_COUNTERS", "? 14u"),
     ("counter >= ccgen_e2e_counter_modulus", "counter > ccgen_e2e_counter_modulus"),
     (
         "    if (length < ccgen_e2e_header(profile)) {\n        return CCGEN_ERROR_FORMAT;\n    }\n"
@@ -35,15 +33,22 @@ E2E = of(
     ("(counter < CCGEN_E2E_P01_COUNTERS)", "(counter <= CCGEN_E2E_P01_COUNTERS)"),
 )
 
+TABLES = of(
+    "src/crc.c",
+    ("test_runtime_e2e.py",),
+    ("0x51u, 0x4Cu, 0x6Bu, 0x76u, 0x87u", "0x51u, 0x4Cu, 0x6Bu, 0x77u, 0x87u"),
+    ("0x1EF0u", "0x1EF1u"),
+)
+
 LAYOUT = of(
-    "src/layout.c",
+    "include/ccgen/layout_inline.h",
     ("test_runtime_layout.py", "test_runtime_snapshot.py"),
     ("(layout->sensors >= 1u)", "true"),
     ("(layout->sensors <= CCGEN_SENSORS_MAX)", "true"),
     ("(layout->rows[axis] <= CCGEN_SEGMENTS_MAX)", "(layout->rows[axis] < CCGEN_SEGMENTS_MAX)"),
     ("valid = valid && (", "valid = ("),
-    ("valid && (ccgen_layout_values(layout) >= 1u)", "valid"),
-    ("(uint8_t)(values + layout->rows[axis])", "(uint8_t)(layout->rows[axis])"),
+    ("valid && (layout->values >= 1u)", "valid"),
+    ("layout->rows[0] + layout->rows[1] + layout->rows[2]", "layout->rows[0] + layout->rows[1]"),
     ("(layout->count_bytes >= 2u)", "(layout->count_bytes >= 1u)"),
     ("(layout->count_bytes <= 4u)", "(layout->count_bytes <= 5u)"),
     ("(layout->angle_bytes == 4u)", "(layout->angle_bytes >= 4u)"),
@@ -65,8 +70,18 @@ LAYOUT = of(
     ),
     ("fits ? (cycles * layout->cycle_us)", "true ? (cycles * layout->cycle_us)"),
     ("return !layout->fd && layout->turn;", "return layout->turn;"),
-    ("(TURNS * counters)", "((TURNS - 1u) * counters)"),
-    ("signals + slots - 1u", "signals + slots"),
+    ("CCGEN_LAYOUT_TURNS 16u", "CCGEN_LAYOUT_TURNS 15u"),
+    ("(frame_bytes <= layout->frame_bytes) &&", ""),
+    ("(payload + ccgen_layout_header(layout))", "(payload + 2u)"),
+    ("(places >= list->signals) && ", ""),
+    ("(spare < list->per_frame)", "true"),
+    ("(uint16_t)(last * list->bytes)", "list->bytes"),
+    ("(uint16_t)(list->per_frame * list->bytes)", "list->bytes"),
+    ("(layout->fd || (layout->keys != NULL)) && ", ""),
+    ("CCGEN_LAYOUT_SINGLE_PAYLOAD 6u", "CCGEN_LAYOUT_SINGLE_PAYLOAD 5u"),
+    ("    if (index >= tip) {\n", "    if (index > tip) {\n"),
+    ("((index + 1u) == tip)", "(index == tip)"),
+    ("((index + 1u) == layout->lengths_frames)", "(index == layout->lengths_frames)"),
     ("(frame->extended != layout->extended) || ", ""),
     (
         "(frame->id < layout->base_id) ||",
@@ -80,9 +95,7 @@ LAYOUT = of(
     ("if (index > tip) {", "if (index >= tip) {"),
     ("if (behind == 1u) {", "if (behind <= 2u) {"),
     ("(behind == 2u) ? CCGEN_FRAME_HEALTH", "(behind >= 2u) ? CCGEN_FRAME_HEALTH"),
-    ("(index < ccgen_layout_lengths_frames(layout)) || ", ""),
-    ("(index > (tip + 2u))", "(index > (tip + 3u))"),
-    ("(uint8_t)(index - tip + 1u)", "(uint8_t)(index - tip)"),
+    ("(index - tip + 1u)", "(index - tip)"),
     (
         "((uint32_t)ccgen_layout_command_index(layout) <=",
         "((uint32_t)ccgen_layout_status_index(layout) <=",
@@ -98,19 +111,24 @@ LAYOUT = of(
     ("layout->fd && layout->rate_switch", "layout->rate_switch"),
     ("        frame->data[i] = 0;\n", ""),
     ("(frame->id & 0xFFFFu)", "(frame->id & 0xFFu)"),
-    ("number >= ccgen_layout_numbers", "number > ccgen_layout_numbers"),
+    ("number >= layout->numbers", "number > layout->numbers"),
     ("(number - turn * CCGEN_E2E_P01_COUNTERS)", "(number % 16u)"),
-    ("(turn << TURN_SHIFT)", "(turn << 3u)"),
+    ("(turn << CCGEN_LAYOUT_TURN_SHIFT)", "(turn << 3u)"),
     ("if (frame->remote || ", "if ("),
     ("(frame->fd != layout->fd) ||", ""),
-    ("(frame->length != ccgen_layout_frame_length(layout))", "false"),
+    ("(frame->length != ccgen_layout_frame_length(layout, index))", "false"),
+    ("CCGEN_LAYOUT_OVER_COUNTERS 137u", "CCGEN_LAYOUT_OVER_COUNTERS 136u"),
     ("(counter < 0) || ", ""),
-    ("(frame->data[1] >> TURN_SHIFT)", "((frame->data[1] >> TURN_SHIFT) & 7)"),
+    (
+        "(frame->data[1] >> CCGEN_LAYOUT_TURN_SHIFT)",
+        "((frame->data[1] >> CCGEN_LAYOUT_TURN_SHIFT) & 7)",
+    ),
     ("word >>= 8;", "word >>= 7;"),
-    ("(bytes >= 1u)", "true"),
-    ("(bytes <= 4u)", "(bytes <= 5u)"),
-    ("ccgen_signed32((word ^ sign) - sign)", "ccgen_signed32(word ^ sign)"),
-    ("ccgen_signed32(0u - sign)", "ccgen_signed32(sign)"),
+    ("(uint8_t)(word >> 8)", "(uint8_t)(word >> 9)"),
+    ("(uint8_t)(word >> 24)", "(uint8_t)(word >> 25)"),
+    ("? INT32_MIN : (ccgen_signed32(word) >> 16)", "? 0 : (ccgen_signed32(word) >> 16)"),
+    ("? INT32_MIN : (ccgen_signed32(word) >> 8)", "? 0 : (ccgen_signed32(word) >> 8)"),
+    ("(uint32_t)data[3] << 24", "(uint32_t)data[3] << 23"),
 )
 
 SLCAN = of(
@@ -170,4 +188,4 @@ TIP = of(
     chosen="tip",
 )
 
-GROUPS = (E2E, LAYOUT, SLCAN, TIP)
+GROUPS = (E2E, TABLES, LAYOUT, SLCAN, TIP)

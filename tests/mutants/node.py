@@ -3,19 +3,22 @@
 from mutants.mutant import of
 
 SNAPSHOT = of(
-    "src/snapshot.c",
+    "include/ccgen/snapshot_inline.h",
     ("test_runtime_snapshot.py", "test_runtime_node.py"),
-    ("STALE_CYCLES 3u", "STALE_CYCLES 4u"),
+    ("CCGEN_SNAPSHOT_STALE_CYCLES 3u", "CCGEN_SNAPSHOT_STALE_CYCLES 4u"),
     ("    snapshot->faults |= fault;\n", ""),
     ("    snapshot->recent |= fault;\n", ""),
     ("    *count += 1u;\n", ""),
     ("(window_us == 0u) || ", ""),
     ("(window_us > snapshot->window_max_us)", "(window_us >= snapshot->window_max_us)"),
-    ("(now_us - snapshot->now_us) < BEHIND_US", "(now_us - snapshot->now_us) <= BEHIND_US"),
-    ("(cycles_us > snapshot->window_us) ? cycles_us", "true ? cycles_us"),
     (
-        "(snapshot->now_us - snapshot->heard_us) <= limit_us",
-        "(snapshot->now_us - snapshot->heard_us) < limit_us",
+        "return ((now_us - snapshot->now_us) < CCGEN_BEHIND_US)",
+        "return ((now_us - snapshot->now_us) <= CCGEN_BEHIND_US)",
+    ),
+    ("(one_us > other_us) ? one_us", "true ? one_us"),
+    (
+        "(snapshot->now_us - snapshot->heard_us) <= snapshot->silence_us",
+        "(snapshot->now_us - snapshot->heard_us) < snapshot->silence_us",
     ),
     ("    }\n    snapshot->phase = CCGEN_SNAPSHOT_NONE;\n}", "    }\n}"),
     (
@@ -24,26 +27,32 @@ SNAPSHOT = of(
         "at that very microsecond the age is the greatest either way, and later it is beyond",
     ),
     ("        snapshot->aged = true;\n", ""),
-    ("if (age_us > (STALE_CYCLES", "if (age_us >= (STALE_CYCLES"),
+    ("if (age_us > snapshot->stale_us)", "if (age_us >= snapshot->stale_us)"),
     ("        snapshot->stale = true;\n", ""),
-    ("        set_fault(snapshot, CCGEN_FAULT_STALE);\n", ""),
+    ("        ccgen_snapshot_set_fault(snapshot, CCGEN_FAULT_STALE);\n", ""),
     ("        snapshot->now_us = now_us;\n", ""),
     ("        snapshot->complete_us = now_us;\n", ""),
-    ("(latest_us(snapshot, now_us) - snapshot->complete_us)", "(now_us - snapshot->complete_us)"),
+    (
+        "(ccgen_snapshot_latest_us(snapshot, now_us) - snapshot->complete_us)",
+        "(now_us - snapshot->complete_us)",
+    ),
     ("if ((snapshot == NULL) || snapshot->aged)", "if (snapshot == NULL)"),
     ("if (number == CCGEN_ERROR_CRC) {", "if (number == CCGEN_ERROR_FORMAT) {"),
-    ("(count == ccgen_no_reading(layout->count_bytes)) ? INT32_MIN : count", "count"),
-    ("(i < per_frame) && (index < layout->sensors)", "(i < per_frame)"),
-    ("same = same && (count", "same = (count"),
+    ("left < layout->counts_per_frame", "left <= 0u * layout->counts_per_frame"),
+    ("(slot * layout->counts_per_frame)", "(slot)"),
+    ("            return false;\n        }\n        part.signal", "        }\n        part.signal"),
     ("(1u << slot)) != 0u", "(1u << (slot / 2u))) != 0u"),
     ("    snapshot->newest = number;\n", ""),
     ("    snapshot->received = 0;\n    snapshot->first_us", "    snapshot->first_us"),
     ("    snapshot->first_us = snapshot->now_us;\n", ""),
     ("(interrupted ? 0u : 1u)", "1u"),
     ("        snapshot->lost += lost;\n", "        snapshot->lost += 1u;\n"),
-    ("        set_fault(snapshot, CCGEN_FAULT_LOST);\n", ""),
-    ("is_taken(snapshot, slot) && !place(", "!place("),
-    ("        begin(snapshot, snapshot->newest);\n", ""),
+    ("        ccgen_snapshot_set_fault(snapshot, CCGEN_FAULT_LOST);\n", ""),
+    (
+        "if (ccgen_snapshot_is_taken(snapshot, slot) &&\n",
+        "if (true &&\n",
+    ),
+    ("        ccgen_snapshot_begin(snapshot, snapshot->newest);\n", ""),
     (
         "    if (snapshot->phase == CCGEN_SNAPSHOT_COMPLETE) {\n",
         "    if (snapshot->phase != CCGEN_SNAPSHOT_PENDING) {\n",
@@ -71,9 +80,17 @@ SNAPSHOT = of(
         "    snapshot->stale = false;\n    snapshot->aged = false;\n}",
         "    snapshot->stale = false;\n}",
     ),
-    ("> snapshot->window_us) {\n        flag", ">= snapshot->window_us) {\n        flag"),
+    (
+        "(snapshot->now_us - snapshot->first_us) > snapshot->window_us",
+        "(snapshot->now_us - snapshot->first_us) >= snapshot->window_us",
+    ),
+    ("(snapshot->stale_us, window_us)", "(snapshot->stale_us, 0)"),
+    (
+        "(snapshot->stale_us, layout->window_us)",
+        "(snapshot->stale_us, 0)",
+    ),
     ("        snapshot->phase = CCGEN_SNAPSHOT_DROPPED;\n", ""),
-    ("    if (is_taken(snapshot, slot)) {\n", "    if (false) {\n"),
+    ("    if (ccgen_snapshot_is_taken(snapshot, slot)) {\n", "    if (false) {\n"),
     ("(snapshot->received | (1u << slot))", "(1u << slot)"),
     (
         "    snapshot->window_us = layout->window_us;\n",
@@ -93,7 +110,7 @@ SNAPSHOT = of(
 )
 
 NODE = of(
-    "src/node.c",
+    "include/ccgen/node_inline.h",
     ("test_runtime_node_calls.py", "test_runtime_node.py"),
     ("    node->estimates = 0;\n", ""),
     (
@@ -111,7 +128,10 @@ NODE = of(
     ("(count > INT16_MAX) || ", ""),
     ("(count < INT16_MIN)", "(count < INT16_MIN - 1)"),
     ("(int16_t)INT16_MIN : (int16_t)count", "(int16_t)INT16_MAX : (int16_t)count"),
-    ("narrow_count(node->snapshot.counts[first + j])", "narrow_count(node->snapshot.counts[j])"),
+    (
+        "ccgen_node_narrow_count(node->snapshot.counts[first + j])",
+        "ccgen_node_narrow_count(node->snapshot.counts[j])",
+    ),
     ("= node->snapshot.counts[first + j]", "= node->snapshot.counts[j]"),
     (
         "(first <= CCGEN_SENSORS_MAX) && ",
@@ -135,18 +155,31 @@ NODE = of(
     ("    node->missing = (uint16_t)missing;\n", ""),
     ("    node->published = node->snapshot.number;\n", ""),
     ("return estimated ? 1 : result;", "return result;"),
-    ("(row >= layout->rows[axis])", "(row > layout->rows[axis])"),
-    ("        row = (uint16_t)(row - layout->rows[axis]);\n", ""),
+    ("(place.row >= layout->rows[place.axis])", "(place.row > layout->rows[place.axis])"),
+    ("        place.row = (uint8_t)(place.row - layout->rows[place.axis]);\n", ""),
+    ("(layout->rows[place.axis] - place.row)", "(layout->rows[place.axis])"),
+    ("angles->narrow[place.axis][place.row + i]", "angles->narrow[0][place.row + i]"),
+    ("angles->wide[place.axis][place.row + i]", "angles->wide[0][place.row + i]"),
+    ("angles->narrow[place.axis][place.row + i]", "angles->narrow[place.axis][place.row]"),
+    ("angles->wide[place.axis][place.row + i]", "angles->wide[place.axis][i]"),
+    ("(place.left < wanted) ? place.left", "true ? place.left"),
+    ("        index = (uint8_t)(index + run);\n", "        index = behind;\n"),
+    ("(slot * layout->angles_per_frame)", "(slot)"),
+    ("(left < layout->angles_per_frame) ? left", "true ? left"),
+    ("(layout->angle_bytes == bytes) && ", ""),
+    ("(has_u || (layout->rows[0] == 0u))", "true"),
+    ("(has_v || (layout->rows[1] == 0u))", "true"),
+    ("(has_h || (layout->rows[2] == 0u))", "has_h"),
     (
-        "(angles->narrow != NULL) ? angles->narrow[axis][row]",
-        "(angles->narrow != NULL) ? angles->narrow[0][row]",
+        "((node->snapshot.now_us - node->looked_us) >= layout->cycle_us)",
+        "false",
     ),
-    ("angles->wide[axis][row]", "angles->wide[0][row]"),
-    ("(slot * per_frame)", "(slot)"),
-    ("(i < per_frame) && (index < total)", "(i < per_frame)"),
+    ("!answers || !ccgen_snapshot_pass", "!ccgen_snapshot_pass"),
+    ("ccgen_put16(signal, INT16_MIN)", "ccgen_put16(signal, 0)"),
+    ("ccgen_put32(signal, INT32_MIN)", "ccgen_put32(signal, 0)"),
     (
-        "node->estimated ? angle_at(layout, angles, index) : ccgen_no_reading(bytes)",
-        "angle_at(layout, angles, index)",
+        "        if (node->estimated) {\n",
+        "        if (true) {\n",
     ),
     ("((samples >> 8) & 0xFFu)", "0u"),
     ("(node->missing >> 8)", "0u"),
@@ -158,18 +191,21 @@ NODE = of(
     ("layout->cycle_us + layout->cycle_us / 2u", "layout->cycle_us"),
     ("since_us >= node->status_wait_us", "since_us > node->status_wait_us"),
     ("        node->status_wait_us = layout->cycle_us;\n", ""),
-    ("    settle(layout, node);\n", ""),
+    ("    ccgen_node_settle(layout, node);\n", ""),
     ("(node->next - 1u)", "(node->next)"),
     ("node->status_again || (handed", "(handed"),
     ("return (handed == CCGEN_HANDED_NOTHING) ? 0 : 1;", "return 1;"),
 )
 
 HEALTH = of(
-    "src/health.c",
+    "include/ccgen/health_inline.h",
     ("test_runtime_node_calls.py", "test_runtime_health.py"),
-    ("states(layout, CCGEN_AXIS_LOST, 0)", "states(layout, CCGEN_AXIS_LOST, CCGEN_AXIS_LOST)"),
+    (
+        "ccgen_health_states(layout, CCGEN_AXIS_LOST, 0)",
+        "ccgen_health_states(layout, CCGEN_AXIS_LOST, CCGEN_AXIS_LOST)",
+    ),
     ("(layout->rows[axis] > 0u) ? there", "(axis < 2u) ? there"),
-    ("(BITS * axis)", "(BITS * axis + 1u)"),
+    ("(CCGEN_HEALTH_BITS * axis)", "(CCGEN_HEALTH_BITS * axis + 1u)"),
     ("    health->zero = CCGEN_ZERO_MODEL;\n", "    health->zero = CCGEN_ZERO_CAPTURED;\n"),
     ("    health->counter = 0;\n", "    health->counter = 1;\n"),
     ("    health->due = true;\n", "    health->due = false;\n"),
@@ -177,7 +213,7 @@ HEALTH = of(
     (">= CCGEN_HEALTH_US", "> CCGEN_HEALTH_US"),
     ("health->due || (", "("),
     ("(layout->fingerprint >> 8)", "(layout->fingerprint >> 7)"),
-    ("health->axes | states(layout, 0, ABSENT)", "health->axes"),
+    ("health->axes | ccgen_health_states(layout, 0, CCGEN_HEALTH_ABSENT)", "health->axes"),
     ("((uint32_t)health->zero << 6)", "((uint32_t)health->zero << 5)"),
     ("((uint32_t)health->result << 4)", "((uint32_t)health->result << 3)"),
     ("    health->sent_us = now_us;\n", ""),
@@ -186,7 +222,7 @@ HEALTH = of(
 )
 
 COMMAND = of(
-    "src/command.c",
+    "include/ccgen/command_inline.h",
     ("test_runtime_health.py",),
     ("(snapshots > 0u)", "true"),
     ("return layout->commands && ", "return "),
@@ -235,14 +271,14 @@ CAPTURE = of(
 )
 
 NODE_AND_HEALTH = of(
-    "src/node.c",
+    "include/ccgen/node_inline.h",
     ("test_runtime_node_calls.py", "test_runtime_health.py"),
     (
-        "        node->next = (uint16_t)(node->next + 1u);\n",
+        "    node->next = (uint16_t)(node->next + 1u);\n    return 1;",
         "        node->next = (uint16_t)(node->next + 2u);\n",
     ),
     (
-        "    skip_unpublished(layout, node);\n"
+        "    ccgen_node_skip_unpublished(layout, node);\n"
         "    if (node->next <= ccgen_layout_status_index(layout)) {\n        node->overruns",
         "    if (node->next <= ccgen_layout_status_index(layout)) {\n        node->overruns",
     ),

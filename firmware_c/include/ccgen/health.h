@@ -15,10 +15,6 @@
 #include "ccgen/layout.h"
 #include "ccgen/zero.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /** Longest time between two HEALTH frames. */
 #define CCGEN_HEALTH_US 100000u
 
@@ -53,25 +49,5 @@ typedef struct {
     uint8_t counter;
     bool due; /* whatever the time */
 } ccgen_health_t;
-
-/** \return the mask of axes that says that every axis that is estimated is lost. */
-uint8_t ccgen_health_all_lost(const ccgen_layout_t *layout);
-
-/** Sets the state to: no estimate yet, the model's zero, no command; a frame is due. */
-void ccgen_health_init(const ccgen_layout_t *layout, ccgen_health_t *health);
-
-/** \return whether a frame is due. */
-bool ccgen_health_due(const ccgen_layout_t *layout, const ccgen_health_t *health, uint32_t now_us);
-
-/** Writes the frame that is due. */
-void ccgen_health_frame(const ccgen_layout_t *layout, ccgen_health_t *health, uint32_t now_us,
-                        ccgen_frame_t *frame);
-
-/** Takes note that the frame written last was sent. */
-void ccgen_health_sent(const ccgen_layout_t *layout, ccgen_health_t *health);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* CCGEN_HEALTH_H */

@@ -4,10 +4,11 @@
  *
  * Frame k has identifier base_id + k: LENGTHS frames first (counts in the order of the joint's
  * sensors), then ANGLES frames (u segments, v segments, then elongations h of sections), then TIP,
- * STATUS, HEALTH and COMMAND; what a joint does not publish, or obey, keeps its identifier. Every
- * frame is 8 bytes long (64 on CAN FD): the E2E header, then as many little-endian two's complement
- * signals as fit; unused bytes are 0. A signal's most negative value means "no reading". The E2E
- * data ID is the low 16 bits of the identifier.
+ * STATUS, HEALTH and COMMAND; what a joint does not publish, or obey, keeps its identifier. A frame
+ * is the E2E header, then as many little-endian two's complement signals as fit; unused bytes are 0.
+ * It is 8 bytes long; on CAN FD as long as it needs to be: 12, 16, 20, 24, 32, 48 or 64. A receiver
+ * takes no other length. A signal's most negative value means "no reading". The E2E data ID is the
+ * low 16 bits of the identifier.
  *
  * Every sending of the sensors has a number, which LENGTHS, ANGLES and TIP carry. On CAN FD it is
  * the counter of P05, 0 to 255. On classic CAN the counter of P01 comes round after 15; the nibble
@@ -15,8 +16,9 @@
  * 0 to 239. Without the turn the number is the counter alone. STATUS, HEALTH and COMMAND frames
  * have counters of their own, and turn 0.
  *
- * All functions are pure, take constant time and accept only layouts that ccgen_layout_valid()
- * accepts.
+ * What can be told beforehand stands in the layout: nothing is divided out at run time. All
+ * functions (layout_inline.h) are pure, take constant time and accept only layouts that
+ * ccgen_layout_valid() accepts.
  */
 #ifndef CCGEN_LAYOUT_H
 #define CCGEN_LAYOUT_H
@@ -25,10 +27,6 @@
 #include "ccgen/e2e.h"
 #include "ccgen/error.h"
 #include "ccgen/frame.h"
-
-#ifdef __cplusplus
-extern "C" {
-#endif
 
 /** Longest cycle and window, so that sums of times stay far from the clock's wrap. */
 #define CCGEN_PERIOD_MAX_US 300000000u
@@ -52,7 +50,7 @@ enum {
 typedef struct {
     uint32_t base_id;    /**< identifier of the first LENGTHS frame */
     bool extended;       /**< 29-bit identifiers */
-    bool fd;             /**< CAN FD: 64-byte frames and E2E P05; else 8-byte frames and P01 */
+    bool fd;             /**< CAN FD: frames of up to 64 bytes and E2E P05; else of 8 and P01 */
     bool turn;           /**< on classic CAN: the number has a turn; without meaning on CAN FD */
     uint8_t sensors;     /**< 1 to CCGEN_SENSORS_MAX */
     uint8_t rows[CCGEN_AXES_MAX]; /**< values of u, v and h: each 0 to CCGEN_SEGMENTS_MAX, not all 0 */
@@ -65,6 +63,20 @@ typedef struct {
     uint8_t publish;      /**< CCGEN_PUBLISH_... of what the node sends */
     bool rate_switch;     /**< CAN FD frames have the faster data phase */
     bool commands;        /**< COMMAND frames are obeyed */
+
+    /* What follows from all that, as it is generated: */
+    uint16_t numbers;          /**< how many there are: 256 on CAN FD, else 240, or 15 without turn */
+    uint8_t values;            /**< of all axes, one after the other in the ANGLES frames */
+    uint8_t counts_per_frame;  /**< in a LENGTHS frame, but for the last */
+    uint8_t angles_per_frame;  /**< in an ANGLES frame, but for the last */
+    uint8_t lengths_frames;    /**< at most CCGEN_SENSORS_MAX */
+    uint8_t angles_frames;
+    uint8_t frame_bytes;       /**< of LENGTHS and ANGLES frames, but for the last: 8 or 64 */
+    uint8_t last_lengths_bytes; /**< of the last LENGTHS frame */
+    uint8_t last_angles_bytes; /**< of the last ANGLES frame */
+    uint8_t single_bytes;      /**< of TIP, STATUS, HEALTH and COMMAND: 8 or 12 */
+    const uint8_t *keys;        /**< on classic CAN: [frames] ccgen_e2e_key() of each data ID, in
+                                     CCGEN_FLASH; without meaning on CAN FD */
 } ccgen_layout_t;
 
 typedef enum {
@@ -76,98 +88,5 @@ typedef enum {
     CCGEN_FRAME_COMMAND,
     CCGEN_FRAME_FOREIGN /**< not one of the joint's */
 } ccgen_frame_kind_t;
-
-/** \return whether every field is within the bounds above and all identifiers exist. */
-bool ccgen_layout_valid(const ccgen_layout_t *layout);
-
-/** \return the E2E profile of all frames. */
-ccgen_e2e_profile_t ccgen_layout_profile(const ccgen_layout_t *layout);
-
-/** \return how many numbers there are: 256 on CAN FD, else 240, or 15 without the turn. */
-uint16_t ccgen_layout_numbers(const ccgen_layout_t *layout);
-
-/** \return the widest window: CCGEN_WINDOW_CYCLES or CCGEN_WINDOW_CYCLES_WITHOUT_TURN cycles, at
- *          most CCGEN_PERIOD_MAX_US. */
-uint32_t ccgen_layout_window_max_us(const ccgen_layout_t *layout);
-
-/** \return bytes of data in every frame: 8, or 64 on CAN FD. */
-uint8_t ccgen_layout_frame_length(const ccgen_layout_t *layout);
-
-/** \return how many signals of `bytes` bytes fit one frame. */
-uint8_t ccgen_layout_slots(const ccgen_layout_t *layout, uint8_t bytes);
-
-/** \return number of LENGTHS frames, at most CCGEN_SENSORS_MAX. */
-uint8_t ccgen_layout_lengths_frames(const ccgen_layout_t *layout);
-
-/** \return values of all axes, one after the other in the ANGLES frames. */
-uint8_t ccgen_layout_values(const ccgen_layout_t *layout);
-
-/** \return number of ANGLES frames. */
-uint8_t ccgen_layout_angles_frames(const ccgen_layout_t *layout);
-
-/** \return index k of the TIP frame: identifier minus base. */
-uint16_t ccgen_layout_tip_index(const ccgen_layout_t *layout);
-
-/** \return index k of the STATUS frame. */
-uint16_t ccgen_layout_status_index(const ccgen_layout_t *layout);
-
-/** \return index k of the HEALTH frame. */
-uint16_t ccgen_layout_health_index(const ccgen_layout_t *layout);
-
-/** \return index k of the COMMAND frame, which is the last. */
-uint16_t ccgen_layout_command_index(const ccgen_layout_t *layout);
-
-/** \return whether the node sends frame k. */
-bool ccgen_layout_publishes(const ccgen_layout_t *layout, uint16_t index);
-
-/**
- * Tells what a frame is from its identifier alone.
- * \param[in] layout
- * \param[in] frame
- * \param[out] slot  which of its kind, from 0; may be NULL; not written for a foreign frame
- */
-ccgen_frame_kind_t ccgen_layout_kind(const ccgen_layout_t *layout, const ccgen_frame_t *frame,
-                                     uint16_t *slot);
-
-/**
- * Starts a frame: identifier, kind and length set, all bytes of that length 0.
- * \param[in] layout
- * \param[in] index   0 to ccgen_layout_command_index()
- * \param[out] frame
- */
-void ccgen_layout_begin(const ccgen_layout_t *layout, uint16_t index, ccgen_frame_t *frame);
-
-/**
- * Numbers and protects a frame that ccgen_layout_begin() started and whose signals are in place.
- * \param[in] layout
- * \param[in] number     below ccgen_layout_numbers(); the own counter of a STATUS, HEALTH or COMMAND
- *                       frame, which is below that of the E2E profile
- * \param[in,out] frame
- * \return as ccgen_e2e_protect(); CCGEN_ERROR_ARGUMENT for a number out of range
- */
-int ccgen_layout_protect(const ccgen_layout_t *layout, uint8_t number, ccgen_frame_t *frame);
-
-/**
- * Checks one of the joint's frames as a receiver does.
- * \param[in] layout
- * \param[in] frame   with an identifier of the joint
- * \return its number; CCGEN_ERROR_FORMAT for a wrong kind, length or counter; CCGEN_ERROR_CRC
- */
-int ccgen_layout_check(const ccgen_layout_t *layout, const ccgen_frame_t *frame);
-
-/** Writes the low `bytes` bytes (1 to 4) of `value`, little-endian. */
-void ccgen_put_signed(uint8_t *data, uint8_t bytes, int32_t value);
-
-/** \return the little-endian two's complement value of `bytes` bytes (1 to 4); 0 for any other
- * number. */
-int32_t ccgen_get_signed(const uint8_t *data, uint8_t bytes);
-
-/** \return the most negative value of a signal of `bytes` bytes (1 to 4): "no reading"; 0
- * otherwise. */
-int32_t ccgen_no_reading(uint8_t bytes);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* CCGEN_LAYOUT_H */

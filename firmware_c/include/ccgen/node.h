@@ -28,10 +28,6 @@
 #include "ccgen/layout.h"
 #include "ccgen/snapshot.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /** What was handed out last and may still be taken back. */
 typedef enum {
     CCGEN_HANDED_NOTHING,
@@ -51,6 +47,7 @@ typedef struct {
 
     uint32_t status_us;
     uint32_t status_wait_us;
+    uint32_t looked_us; /* when it was noticed last how long ago things are */
     uint16_t next;
     int16_t tip[3];
     uint8_t published;
@@ -59,75 +56,5 @@ typedef struct {
     bool status_again; /* it was taken back */
     bool estimated;
 } ccgen_node_t;
-
-/**
- * Sets the state to: nothing received, nothing to send but a status.
- * \param[in] layout
- * \param[out] node
- * \return CCGEN_OK, or CCGEN_ERROR_ARGUMENT for a null pointer or an invalid layout
- */
-int ccgen_node_init(const ccgen_layout_t *layout, ccgen_node_t *node);
-
-/** Takes one frame; parameters and result as ccgen_snapshot_receive(). */
-int ccgen_node_receive(const ccgen_layout_t *layout, ccgen_node_t *node, const ccgen_frame_t *frame,
-                       uint32_t now_us);
-
-/**
- * Hands out counts of the latest complete snapshot, for a joint of precision 16.
- * \param[in] node
- * \param[in] first    the first sensor, in the joint's order
- * \param[in] sensors  how many; first + sensors at most CCGEN_SENSORS_MAX
- * \param[out] counts  [sensors]
- * \return CCGEN_OK, or CCGEN_ERROR_ARGUMENT for a null pointer or sensors that there are not
- */
-int ccgen_node_counts16(const ccgen_node_t *node, uint8_t first, uint8_t sensors, int16_t *counts);
-
-/** The same for a joint of precision 32; "no reading" is INT32_MIN whatever the count's width. */
-int ccgen_node_counts32(const ccgen_node_t *node, uint8_t first, uint8_t sensors, int32_t *counts);
-
-/**
- * Announces the outcome of the latest snapshot: its frames become due.
- * \param[in] layout
- * \param[in,out] node
- * \param[in] result   what NAME_estimate() returned; below 0: there are no angles
- * \param[in] missing  what NAME_missing() returned: mask of 16 bits
- * \param[in] tip      [3] tip position from ccgen_tip_signal(); read only when there are angles
- * \return 1: a new estimate stands; otherwise `result`; CCGEN_ERROR_ARGUMENT for a null pointer
- */
-int ccgen_node_publish(const ccgen_layout_t *layout, ccgen_node_t *node, int result,
-                       int32_t missing, const int16_t *tip);
-
-/**
- * Fetches the next frame to send, for a joint of precision 16.
- * \param[in] layout
- * \param[in,out] node
- * \param[in] angles  of u, v and h, [rows] each, of the snapshot last published; NULL for an axis
- *                    without rows
- * \param[in] now_us
- * \param[out] frame  to send; written only with result 1
- * \return 1: send `frame` and call again; 0: nothing is due; CCGEN_ERROR_ARGUMENT for a null
- * pointer
- */
-int ccgen_node_transmit16(const ccgen_layout_t *layout, ccgen_node_t *node,
-                          const int16_t *const angles[CCGEN_AXES_MAX], uint32_t now_us,
-                          ccgen_frame_t *frame);
-
-/** The same for a joint of precision 32. */
-int ccgen_node_transmit32(const ccgen_layout_t *layout, ccgen_node_t *node,
-                          const int32_t *const angles[CCGEN_AXES_MAX], uint32_t now_us,
-                          ccgen_frame_t *frame);
-
-/**
- * Takes back the frame that transmit handed out last, for it could not be sent: the next call of
- * transmit gives it again, a STATUS with all its faults.
- * \param[in,out] node
- * \return 1: it comes again; 0: there is none, or a newer snapshot has replaced its answer;
- *         CCGEN_ERROR_ARGUMENT for a null pointer
- */
-int ccgen_node_unsent(ccgen_node_t *node);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* CCGEN_NODE_H */

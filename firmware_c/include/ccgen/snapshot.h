@@ -40,10 +40,6 @@
 
 #include "ccgen/layout.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /** Fault flags of the status frame. They accumulate until a status frame that was sent has carried
  * them. */
 enum {
@@ -59,6 +55,9 @@ enum {
 
 /** An age in the status frame of this or more milliseconds, or no snapshot ever. */
 #define CCGEN_AGE_MAX_MS 255u
+
+/** A time that seems so far ahead or more lies behind. */
+#define CCGEN_BEHIND_US 0x80000000u
 
 /** What becomes of frames that carry the newest number. */
 typedef enum {
@@ -83,6 +82,8 @@ typedef struct {
     int32_t pending[CCGEN_SENSORS_MAX];
     uint32_t window_us;
     uint32_t window_max_us;
+    uint32_t stale_us;   /* without a complete snapshot */
+    uint32_t silence_us; /* after which any number begins one */
     uint32_t now_us; /* the latest time that was told */
     uint32_t first_us;
     uint32_t heard_us;
@@ -98,52 +99,16 @@ typedef struct {
 } ccgen_snapshot_t;
 
 /**
- * Sets the state to: nothing received.
- * \param[in] layout
- * \param[out] snapshot
- * \return CCGEN_OK, or CCGEN_ERROR_ARGUMENT for a null pointer or an invalid layout
- */
-int ccgen_snapshot_init(const ccgen_layout_t *layout, ccgen_snapshot_t *snapshot);
-
-/**
- * Replaces the window of the layout, for transports slower than the bus.
- * \param[in,out] snapshot
- * \param[in] window_us  1 to ccgen_layout_window_max_us()
- * \return CCGEN_OK; CCGEN_ERROR_ARGUMENT for a null pointer or another window, which is not taken
- */
-int ccgen_snapshot_set_window(ccgen_snapshot_t *snapshot, uint32_t window_us);
-
-/**
- * Takes one frame.
- * \param[in] layout
- * \param[in,out] snapshot
- * \param[in] frame   any frame of the bus
- * \param[in] now_us  time of arrival
- * \return 1: a snapshot is complete, its counts stand in `counts`; 0: not yet, not ours, or dropped
- *         and counted; CCGEN_ERROR_ARGUMENT for a null pointer
- */
-int ccgen_snapshot_receive(const ccgen_layout_t *layout, ccgen_snapshot_t *snapshot,
-                           const ccgen_frame_t *frame, uint32_t now_us);
-
-/**
- * Notices silence: sets CCGEN_FAULT_STALE as long as it lasts.
- * \param[in] layout
+ * Takes the time without noticing silence.
  * \param[in,out] snapshot
  * \param[in] now_us
- * \return CCGEN_OK, or CCGEN_ERROR_ARGUMENT for a null pointer
+ * \return whether a time was told before; otherwise it is not taken
  */
-int ccgen_snapshot_tick(const ccgen_layout_t *layout, ccgen_snapshot_t *snapshot, uint32_t now_us);
-
-/**
- * \param[in] snapshot
- * \param[in] now_us
- * \return milliseconds since the latest complete snapshot, at most CCGEN_AGE_MAX_MS, which also
- *         means "never"; CCGEN_AGE_MAX_MS for a null pointer
- */
-uint8_t ccgen_snapshot_age_ms(const ccgen_snapshot_t *snapshot, uint32_t now_us);
-
-#ifdef __cplusplus
+CCGEN_INLINE bool ccgen_snapshot_pass(ccgen_snapshot_t *const snapshot, const uint32_t now_us) {
+    if (snapshot->started && ((now_us - snapshot->now_us) < CCGEN_BEHIND_US)) {
+        snapshot->now_us = now_us;
+    }
+    return snapshot->started;
 }
-#endif
 
 #endif /* CCGEN_SNAPSHOT_H */

@@ -11,6 +11,6 @@
 #define CCGEN_VERSION "0.1.0"
 
 /** Raised whenever generated code and runtime of different versions would not fit each other. */
-#define CCGEN_FORMAT_VERSION 2
+#define CCGEN_FORMAT_VERSION 3
 
 #endif /* CCGEN_VERSION_H */

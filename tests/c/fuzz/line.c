@@ -62,7 +62,7 @@ static void append(const uint8_t *const bytes, const size_t count) {
 /** All LENGTHS frames of a snapshot as lines, or all but the last. */
 static void append_snapshot(const ccgen_layout_t *const layout, const bool whole) {
     const uint16_t modulus = ccgen_e2e_counter_modulus(ccgen_layout_profile(layout));
-    const uint8_t frames = ccgen_layout_lengths_frames(layout);
+    const uint8_t frames = layout->lengths_frames;
     far_end.counter = (uint8_t)((far_end.counter + 1u) % modulus);
     for (uint8_t slot = 0; slot < (frames - (whole ? 0u : 1u)); ++slot) {
         ccgen_frame_t frame = CCGEN_ZERO;
@@ -180,15 +180,14 @@ static void take_line(void) {
         result = ccgen_slcan_feed(&far_end.slcan, far_end.line[i], &frame);
     }
     CHECK(result == 1);
-    const uint32_t first = ccgen_layout_lengths_frames(&FUZZ_LAYOUT);
+    const uint32_t first = FUZZ_LAYOUT.lengths_frames;
     const uint32_t status = ccgen_layout_status_index(&FUZZ_LAYOUT);
     const uint32_t index = frame.id - FUZZ_LAYOUT.base_id;
     CHECK((index >= first) && (index <= (status + 1u)));
     CHECK((index == first) || (index >= status) || (index == far_end.next));
     CHECK((far_end.next == 0u) || (index == far_end.next)); /* an answer goes out whole */
     far_end.next = (index < status) ? (index + 1u) : 0u;
-    CHECK(ccgen_e2e_check(ccgen_layout_profile(&FUZZ_LAYOUT), (uint16_t)(frame.id & 0xFFFFu),
-                          frame.data, frame.length) >= 0);
+    CHECK(ccgen_layout_check(&FUZZ_LAYOUT, &frame) >= 0);
 }
 
 ssize_t line_write(const int fd, const void *const bytes, const size_t count) {

@@ -138,7 +138,7 @@ static void check_counters(const bus_t *const bus) {
 static void check_counts(const bus_t *const bus) {
     const ccgen_snapshot_t *const snapshot = &bus->node->node.snapshot;
     const uint8_t bytes = layout->count_bytes;
-    const uint8_t per_frame = ccgen_layout_slots(layout, bytes);
+    const uint8_t per_frame = layout->counts_per_frame;
     for (uint16_t index = 0; index < SENSORS; ++index) {
         const rule_place_t *const place = &bus->rule.taken[index / per_frame];
         const int64_t count = read_signed(&place->bytes[(index % per_frame) * bytes], bytes);
@@ -162,7 +162,7 @@ static void publish(bus_t *const bus, const int result) {
     bus->estimates += bus->estimated ? 1u : 0u;
     bus->failures += bus->estimated ? 0u : 1u;
     bus->overruns += (bus->due <= ccgen_layout_status_index(layout)) ? 1u : 0u;
-    bus->due = ccgen_layout_lengths_frames(layout);
+    bus->due = layout->lengths_frames;
     bus->handed = (bus->handed == CCGEN_HANDED_ESTIMATE) ? CCGEN_HANDED_NOTHING : bus->handed;
     bus->published = bus->rule.newest;
     bus->completed = true;
@@ -171,7 +171,7 @@ static void publish(bus_t *const bus, const int result) {
 
 static bool is_lengths(const ccgen_frame_t *const frame) {
     return (frame->extended == layout->extended) && (frame->id >= layout->base_id) &&
-           ((frame->id - layout->base_id) < ccgen_layout_lengths_frames(layout));
+           ((frame->id - layout->base_id) < layout->lengths_frames);
 }
 
 /** What the rule makes of a frame. \return whether it completes a snapshot. */
@@ -209,9 +209,9 @@ static void receive(bus_t *const bus, const ccgen_frame_t *const frame) {
     check_angles(bus);
 }
 
-/** What a frame does not need is 0. */
-static void check_rest(const uint8_t *const payload, const size_t used) {
-    const size_t all = layout->fd ? 61u : 6u;
+/** A frame of this index is zero behind its signals. */
+static void check_rest(const uint16_t index, const uint8_t *const payload, const size_t used) {
+    const size_t all = (size_t)length_of(index) - (layout->fd ? 3u : 2u);
     for (size_t i = used; i < all; ++i) {
         CHECK(payload[i] == 0u);
     }
@@ -223,7 +223,7 @@ static void check_status(const bus_t *const bus, const uint8_t *const payload) {
     CHECK((payload[2] | (payload[3] << 8)) == bus->missing);
     CHECK(payload[4] == bus->owed);
     CHECK(payload[5] == ((bus->completed && (age_ms < 255u)) ? age_ms : 255u));
-    check_rest(payload, 6);
+    check_rest(ccgen_layout_status_index(layout), payload, 6);
 }
 
 static void check_health(const bus_t *const bus, const uint8_t *const payload) {
@@ -232,31 +232,31 @@ static void check_health(const bus_t *const bus, const uint8_t *const payload) {
     CHECK((payload[2] == 0u) && (payload[3] == 0u) && (payload[5] == 0u));
     CHECK((payload[4] & 0x3Fu) == (0x30u | axes));
     CHECK((payload[4] >> 6) == (uint32_t)bus->node->joint.source);
-    check_rest(payload, 6);
+    check_rest(ccgen_layout_health_index(layout), payload, 6);
 }
 
 static void check_answer(const bus_t *const bus, const uint16_t index,
                          const ccgen_frame_t *const frame) {
     const uint8_t *const payload = payload_of(frame);
     const uint8_t bytes = layout->angle_bytes;
-    const uint8_t per_frame = ccgen_layout_slots(layout, bytes);
+    const uint8_t per_frame = layout->angles_per_frame;
     const uint16_t tip = ccgen_layout_tip_index(layout);
     if (index == tip) {
         for (uint8_t i = 0; i < 3u; ++i) {
             CHECK((read_signed(payload + 2u * i, 2) == lowest_of(2)) == !bus->estimated);
         }
-        check_rest(payload, 6);
+        check_rest(index, payload, 6);
         return;
     }
     size_t used = 0;
-    size_t place = (size_t)(index - ccgen_layout_lengths_frames(layout)) * per_frame;
+    size_t place = (size_t)(index - layout->lengths_frames) * per_frame;
     for (uint8_t i = 0; (i < per_frame) && (place < PORT_VALUES); ++i) {
         const int64_t angle = bus->angles[place];
         CHECK(read_signed(payload + used, bytes) == (bus->estimated ? angle : lowest_of(bytes)));
         used += bytes;
         ++place;
     }
-    check_rest(payload, used);
+    check_rest(index, payload, used);
 }
 
 /** What was handed out before counts as sent. */
@@ -391,7 +391,7 @@ static void send_snapshot(bus_t *const bus, input_t *const input) {
     const int number = (bus->rule.newest + 1 + take8(input) % (numbers / 4)) % numbers;
     const uint32_t snapshots = snapshot_of(bus)->snapshots;
     ccgen_frame_t frame;
-    for (uint16_t slot = 0; slot < ccgen_layout_lengths_frames(layout); ++slot) {
+    for (uint16_t slot = 0; slot < layout->lengths_frames; ++slot) {
         CHECK(snapshot_of(bus)->snapshots == snapshots);
         make_lengths(bus->counts, slot, number, &frame);
         receive(bus, &frame);
@@ -401,7 +401,7 @@ static void send_snapshot(bus_t *const bus, input_t *const input) {
 
 /** One frame of a snapshot, alone, under some number near the newest. */
 static void make_one(const bus_t *const bus, input_t *const input, ccgen_frame_t *const frame) {
-    const uint16_t slot = (uint16_t)(take8(input) % ccgen_layout_lengths_frames(layout));
+    const uint16_t slot = (uint16_t)(take8(input) % layout->lengths_frames);
     const int ahead = take8(input);
     const int number = bus->rule.newest + ((ahead < 128) ? (ahead % 4) : ahead);
     make_lengths(bus->counts, slot, number % numbers_of_joint(), frame);
@@ -459,7 +459,7 @@ static void make_any(input_t *const input, ccgen_frame_t *const frame) {
     frame->fd = ((flags & 4u) != 0u) ? !layout->fd : layout->fd;
     frame->remote = ((flags & 24u) == 24u);
     frame->rate_switch = (flags & 32u) != 0u;
-    frame->length = ccgen_layout_frame_length(layout);
+    frame->length = length_of((uint16_t)(frame->id - layout->base_id));
     if ((flags & 64u) != 0u) {
         frame->length = (uint8_t)(take8(input) % (CCGEN_FRAME_CAPACITY + 1u));
     }
@@ -609,7 +609,7 @@ static void start(bus_t *const bus, input_t *const input) {
     bus->health_due = true;
     bus->now_us = EPOCH_US + take32(input);
     bus->told_us = bus->now_us;
-    rule_start(&bus->rule, numbers_of_joint(), ccgen_layout_lengths_frames(layout),
+    rule_start(&bus->rule, numbers_of_joint(), layout->lengths_frames,
                layout->cycle_us, layout->window_us);
     read_zero(&bus->node->joint, bus->zero);
 }

@@ -10,8 +10,8 @@
 #include "ccgen/error.h"
 #include "ccgen/version.h"
 
-#if CCGEN_FORMAT_VERSION != 2
-#error "sample.h needs the ccgen runtime of format 2"
+#if CCGEN_FORMAT_VERSION != 3
+#error "sample.h needs the ccgen runtime of format 3"
 #endif
 
 #ifdef __cplusplus

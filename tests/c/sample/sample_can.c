@@ -1,26 +1,43 @@
 #include "sample_can.h"
 
+#include "ccgen/flash.h"
+#include "ccgen/node_inline.h"
 #include "ccgen/tip.h"
 
 #ifndef SAMPLE_PUBLISH
 #define SAMPLE_PUBLISH (CCGEN_PUBLISH_ANGLES | CCGEN_PUBLISH_TIP | CCGEN_PUBLISH_STATUS)
 #endif
 
+/* What the check values take from identifiers 0x300 to 0x30D. */
+static const uint8_t keys[14] CCGEN_FLASH = {0x27, 0x6B, 0xBF, 0xF3, 0x0A, 0x46, 0x92,
+                                             0xDE, 0x7D, 0x31, 0xE5, 0xA9, 0x50, 0x1C};
+
 const ccgen_layout_t sample_layout = {
-    0x300u,           /* base_id */
-    false,            /* extended */
-    (SAMPLE_FD != 0), /* fd */
-    true,             /* turn */
-    SAMPLE_SENSORS,   /* sensors */
+    0x300u,                                /* base_id */
+    false,                                 /* extended */
+    (SAMPLE_FD != 0),                      /* fd */
+    true,                                  /* turn */
+    SAMPLE_SENSORS,                        /* sensors */
     {SAMPLE_SEGMENTS, SAMPLE_SEGMENTS, 0}, /* rows of u, v and h */
-    2,                /* count_bytes */
-    2,                /* angle_bytes */
-    10000u,           /* cycle_us */
-    10000u,           /* window_us */
-    0xC0DEu,          /* fingerprint */
-    SAMPLE_PUBLISH,   /* publish */
-    false,            /* rate_switch */
-    false             /* commands */
+    2,                                     /* count_bytes */
+    2,                                     /* angle_bytes */
+    10000u,                                /* cycle_us */
+    10000u,                                /* window_us */
+    0xC0DEu,                               /* fingerprint */
+    SAMPLE_PUBLISH,                        /* publish */
+    false,                                 /* rate_switch */
+    false,                                 /* commands */
+    (SAMPLE_FD != 0) ? 256 : 240,          /* numbers */
+    2 * SAMPLE_SEGMENTS,                   /* values */
+    (SAMPLE_FD != 0) ? 30 : 3,             /* counts_per_frame */
+    (SAMPLE_FD != 0) ? 30 : 3,             /* angles_per_frame */
+    (SAMPLE_FD != 0) ? 1 : 2,              /* lengths_frames */
+    (SAMPLE_FD != 0) ? 1 : 8,              /* angles_frames */
+    (SAMPLE_FD != 0) ? 64 : 8,             /* frame_bytes */
+    (SAMPLE_FD != 0) ? 16 : 8,             /* last_lengths_bytes */
+    (SAMPLE_FD != 0) ? 64 : 8,             /* last_angles_bytes */
+    (SAMPLE_FD != 0) ? 12 : 8,             /* single_bytes */
+    keys                                   /* keys */
 };
 
 static int estimate(sample_node_t *const node) {
