@@ -126,7 +126,7 @@ def spoilt(frames):
 
 
 def shortened(frames):
-    length = 48 if frames[0].is_fd else 7
+    length = 12 if frames[0].is_fd else 7
     frames[0].data, frames[0].dlc = frames[0].data[:length], length
     return frames[:1]
 

@@ -32,7 +32,7 @@ def test_json_holds_formats_and_files(tmp_path):
     [
         ("", 140.4, "15 or more, a higher can.bitrate, or can.fd = true would fit"),
         ("extended = true", 166.4, "17 or more"),
-        ("fd = true\nbitrate = 500_000", 142.4, "or bit-rate switching would fit"),
+        ("fd = true\nbitrate = 500_000", 111.8, "or bit-rate switching would fit"),
         ("cycle_ms = 15", 93.6, None),
     ],
 )

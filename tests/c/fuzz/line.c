@@ -13,6 +13,7 @@
 #define poll line_poll
 #define clock_gettime line_clock
 int port_main(int argc, char *argv[]);
+#include "ccgen/layout_inline.h"
 #include "posix/main.c" /* its static functions are under test */
 #undef read
 #undef write
