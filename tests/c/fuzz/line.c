@@ -13,8 +13,8 @@
 #define poll line_poll
 #define clock_gettime line_clock
 int port_main(int argc, char *argv[]);
-#include "ccgen/layout_inline.h"
 #include "posix/main.c" /* its static functions are under test */
+#include "ccgen/layout_inline.h"
 #undef read
 #undef write
 
