@@ -15,6 +15,7 @@ HERE = Path(__file__).parent / "c"
 SAMPLE = HERE / "sample"
 INCLUDE = (f"-I{firmware() / 'include'}", f"-I{SAMPLE}", f"-I{HERE}")
 RUNTIME = tuple(sorted((firmware() / "src").glob("*.c")))
+INLINED = tuple(sorted((firmware() / "include" / "ccgen").glob("*_inline.h")))
 GLUE = (SAMPLE / "sample_can.c", SAMPLE / "sample_kinematics.c")
 PORTS = firmware() / "ports"
 

@@ -87,13 +87,13 @@ FOLDER = _words(
     """
     all angles app avr avr_cycle avr_irq axis16 axis32 bare_metal batch block board
     board_atmega1284p board_microbit board_mps2 board_virt build calibration capture check clean
-    command core core_vectors cortex_m e2e elf_firmware error estimator16 estimator32 factors16
-    firmware frame github gitlab h health help host install integer kconfig kernel16
-    kernel16_thumb1 kernel32 layout libjoint license line link load main manifest model node
-    options package platformio port ports posix prj product ram readme record ring riscv32
-    riscv_virt sdkconfig selftest semihosting sensors16 sensors32 shared shoulder_serial
-    simavr_uart slcan snapshot socketcan startup test tip two_joints u v vector version virt
-    word zephyr zero
+    command command_inline core core_vectors cortex_m crc e2e e2e_inline elf_firmware error
+    estimator16 estimator32 factors16 firmware flash frame github gitlab h health health_inline
+    help host install integer kconfig kernel16 kernel16_thumb1 kernel32 layout layout_inline
+    libjoint license line link load main manifest model node node_inline options package
+    platformio port ports posix prj product ram readme record ring riscv32 riscv_virt sdkconfig
+    selftest semihosting sensors16 sensors32 shared shoulder_serial simavr_uart slcan snapshot
+    snapshot_inline socketcan startup test tip two_joints u v vector version virt word zephyr zero
     """
 )
 """Names of files, types and build targets that the exported folder or an example has itself."""
