@@ -23,7 +23,8 @@ TOOLS = gcc:gcc g++:g++ clang:clang $(FUZZER):libclang-rt-dev cmake:cmake \
   riscv64-unknown-elf-gcc:picolibc-riscv64-unknown-elf \
   avr-gcc:gcc-avr avr-gcc:avr-libc simavr:simavr simavr:libsimavr-dev \
   arduino-builder:arduino-builder arduino-builder:arduino-core-avr \
-  qemu-system-arm:qemu-system-arm qemu-system-riscv32:qemu-system-misc gappa:gappa
+  qemu-system-arm:qemu-system-arm qemu-system-riscv32:qemu-system-misc gappa:gappa \
+  chromium:chromium
 
 .PHONY: demo test prove mutants coverage vcan lint tools benchmark clean
 

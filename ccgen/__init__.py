@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ccgen.joint.file import parse as parse
     from ccgen.joint.specification import Joint as Joint
     from ccgen.placement.placed import place as place
+    from ccgen.report.page import report as report
     from ccgen.sensing.simulation import simulate as simulate
     from ccgen.shapes.library import Shapes as Shapes
     from ccgen.verify.target import verify as verify
@@ -46,7 +47,7 @@ _HOMES = {
 }
 """Modules of the public names."""
 
-_ROOMS = ("cost", "export", "verify")
+_ROOMS = ("cost", "export", "report", "verify")
 """Public functions that have a room of their name: the room itself is called."""
 
 __all__ = ["FORMAT_VERSION", "__version__", *_HOMES, *_ROOMS]

@@ -18,6 +18,7 @@ from ccgen.cli.init import init
 from ccgen.cli.monitor import monitor
 from ccgen.cli.output import note
 from ccgen.cli.place import place
+from ccgen.cli.report import report
 from ccgen.cli.reproduce import reproduce
 from ccgen.cli.simulate import simulate
 from ccgen.cli.verify import verify
@@ -41,6 +42,7 @@ app.command()(in_one_line(verify))
 app.command()(in_one_line(cost))
 app.command()(in_one_line(bridge))
 app.command()(in_one_line(monitor))
+app.command()(in_one_line(report))
 app.command()(in_one_line(place))
 app.command()(in_one_line(reproduce))
 

@@ -109,3 +109,13 @@ def label_curve(axes: "Axes", title: str) -> None:
     """Label axes that show `planar_curve`, to scale."""
     axes.set(title=title, xlabel="deflection / m", ylabel="height / m", aspect="equal")
     axes.set_adjustable("datalim")
+
+
+@styled
+def figure_svg(figure: "Figure") -> str:
+    """Return the figure as an element for a page: without prolog, on the page's own background."""
+    buffer = io.BytesIO()
+    metadata = {"Date": None, "Creator": None}
+    figure.savefig(buffer, format="svg", transparent=True, metadata=metadata)
+    text = buffer.getvalue().decode("utf-8")
+    return text[text.index("<svg") :]

@@ -1,0 +1,78 @@
+"""A bent joint with its sensors as strings, and the sensors unrolled."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ccgen.figures.sensors import draw_across, draw_along
+from ccgen.figures.style import Floats, styled
+from ccgen.joint import Joint, Sensor
+from ccgen.kinematics import chain
+from ccgen.sensing.readings import direction
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_POINTS = 8
+"""Of a string, a segment."""
+
+_BEND = np.radians(70.0)
+"""Of the whole joint in the picture, or its range of motion where that is less."""
+
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+
+
+@styled
+def strings_figure(joint: Joint) -> "Figure":
+    """Draw the joint bent about both axes, to scale, each sensor where it runs."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(4.6, 4.4), layout="constrained")
+    axes: Any = figure.add_subplot(projection="3d")
+    poses = _poses(joint)
+    axes.plot(*poses[:, :3, 3].T, color="#000000", linewidth=1.6)
+    axes.plot(*poses[::_POINTS, :3, 3].T, "k.", markersize=4.0)
+    for i, sensor in enumerate(joint.sensors):
+        path = _string(joint, poses, sensor)
+        colour = _COLOURS[i % len(_COLOURS)]
+        axes.plot(*path.T, color=colour, linewidth=1.8, marker="o", markevery=[0, len(path) - 1],
+                  markersize=3.0, label=sensor.name)  # fmt: skip
+    limits = [getattr(axes, f"get_{name}lim")() for name in "xyz"]
+    axes.set_box_aspect([high - low for low, high in limits], zoom=0.85)
+    axes.set(title=f"{joint.name} with its sensors", xlabel="x / m", ylabel="y / m", zlabel="z / m")
+    axes.tick_params(labelsize=6.5)
+    columns = min(6, len(joint.sensors))
+    figure.legend(loc="outside lower center", ncols=columns, fontsize=7.0)
+    return figure
+
+
+@styled
+def unrolled_figure(joint: Joint) -> "Figure":
+    """Draw the sensors across the joint and along it."""
+    from matplotlib.figure import Figure
+
+    height = 2.4 + 0.16 * len(joint.sensors)
+    figure = Figure(figsize=(4.6, 2.2 + height), layout="constrained")
+    across, along = figure.subplots(2, 1, height_ratios=[2.2, height])
+    draw_across(across, joint)
+    draw_along(along, joint)
+    return figure
+
+
+def _poses(joint: Joint) -> Floats:
+    """Frames along the neutral axis, the base first, shape (points, 4, 4)."""
+    geometry = joint.geometry
+    points = geometry.segments * _POINTS
+    whole = min(_BEND, geometry.segments * geometry.range_of_motion)
+    bend = np.full(points, whole / points / np.sqrt(2.0))
+    u = bend if "u" in joint.axes else np.zeros(points)
+    v = bend if "v" in joint.axes else np.zeros(points)
+    return np.concatenate([np.eye(4)[None], chain(u, v, geometry.length / points)])
+
+
+def _string(joint: Joint, poses: Floats, sensor: Sensor) -> Floats:
+    """Points of a sensor, shape (points, 3), metres."""
+    first, last = round(sensor.start * _POINTS), round(sensor.end * _POINTS)
+    sine, cosine = direction(sensor)
+    place = np.array([sensor.radius * cosine, sensor.radius * sine, 0.0, 1.0])
+    return np.asarray((poses[first : last + 1] @ place)[:, :3])

@@ -1,0 +1,118 @@
+"""The page: a fit, its pictures and its tables, in one file that needs nothing else."""
+
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ccgen import __version__, resources
+from ccgen.errors import InputError
+from ccgen.figures.bands import bands_figure
+from ccgen.figures.matrix import matrix_figure
+from ccgen.figures.strings import strings_figure, unrolled_figure
+from ccgen.figures.style import figure_svg
+from ccgen.figures.trends import noise_figure, sensors_figure
+from ccgen.fixedpoint import Fit
+from ccgen.fixedpoint import fit as fitted_to
+from ccgen.joint import Joint
+from ccgen.joint.file import load
+from ccgen.outputs import write_file
+from ccgen.report import tables
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def report(subject: Fit | Joint | str | Path, output: str | Path) -> Path:
+    """Write the page of a joint.
+
+    Args:
+        subject: a fit, a joint, the path of its file, or of a folder that was exported from it.
+        output: the file to write.
+
+    Raises:
+        InputError: the joint cannot be fitted, or a folder that was changed since it was exported.
+    """
+    fit, notes = _fitted(subject)
+    path = Path(output)
+    write_file(path, page(fit, notes))
+    return path
+
+
+def page(fit: Fit, notes: dict[str, str] | None = None) -> bytes:
+    """The page as HTML; the same fit gives the same bytes.
+
+    Args:
+        fit: of the joint.
+        notes: more to say of where it comes from, by title.
+    """
+    html = resources.template("joint_report.html.j2").render(
+        name=fit.joint.name,
+        facts=tables.facts(fit),
+        warnings=fit.warnings,
+        errors=tables.errors(fit),
+        stations=tables.stations(fit),
+        without=tables.without(fit),
+        checks=tables.checks(fit),
+        check_notes=fit.checks.notes,
+        false_alarms=f"{fit.joint.false_alarms:g}",
+        fixed_point=tables.fixed_point(fit),
+        bus=tables.bus(fit),
+        sensors=tables.sensors(fit),
+        told_on=fit.stated.name,
+        pictures={name: _svg(figure) for name, figure in _figures(fit).items()},
+        provenance=_provenance(fit) | (notes or {}),
+    )
+    return html.encode()
+
+
+def _figures(fit: Fit) -> "dict[str, Figure]":
+    figures = {
+        "strings": strings_figure(fit.sensed),
+        "unrolled": unrolled_figure(fit.sensed),
+        "weights": matrix_figure(fit),
+        "bands": bands_figure(fit),
+        "count": sensors_figure(fit),
+    }
+    noise = noise_figure(fit)
+    return figures if noise is None else figures | {"noise": noise}
+
+
+def _svg(figure: "Figure") -> str:
+    return figure_svg(figure)
+
+
+def _provenance(fit: Fit) -> dict[str, str]:
+    joint = fit.joint
+    found = {"ccgen": __version__}
+    if joint.content:
+        found["joint file, SHA-256"] = sha256(joint.content).hexdigest()
+    if joint.calibration_content:
+        found["calibration, SHA-256"] = sha256(joint.calibration_content).hexdigest()
+    for recording in fit.recordings:
+        found |= {f"{name}, SHA-256": digest for name, digest in recording.hashes}
+    return found
+
+
+def _fitted(subject: Fit | Joint | str | Path) -> tuple[Fit, dict[str, str]]:
+    if isinstance(subject, Fit):
+        return subject, {}
+    if isinstance(subject, Joint):
+        return fitted_to(subject), {}
+    path = Path(subject)
+    if not path.exists():
+        raise InputError(f"{path}: no such folder or joint file")
+    if not path.is_dir():
+        return fitted_to(load(path)), {}
+    from ccgen.targets.exported import open_exported
+
+    exported = open_exported(path)
+    if exported.changed:
+        raise InputError(
+            f"{path}: {', '.join(exported.changed[:3])} changed since it was exported; export the "
+            "joint again, or name its joint file"
+        )
+    if exported.joint.recordings:
+        raise InputError(
+            f"{path}: holds no recordings, which its joint was fitted to; name the joint file"
+        )
+    return fitted_to(exported.joint), {"fingerprint of the model": f"{exported.fingerprint:#010x}"}

@@ -1,0 +1,219 @@
+"""`ccgen report`: what the page says, and how a browser shows it."""
+
+import json
+import re
+import shutil
+import subprocess
+from html import unescape
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from joint_files import joint_text
+
+import ccgen
+from ccgen.cli.main import main
+from ccgen.report import tables
+from ccgen.report.page import page
+from ccgen.targets.exported import open_exported
+
+EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
+LARGEST = 2_000_000
+
+
+def run(*words) -> int:
+    with pytest.raises(SystemExit) as end:
+        main([str(word) for word in words])
+    return int(end.value.code or 0)
+
+
+@pytest.fixture(scope="module")
+def fit():
+    return ccgen.fit(ccgen.load(EXAMPLES / "shoulder.toml"))
+
+
+@pytest.fixture(scope="module")
+def html(fit):
+    return page(fit).decode()
+
+
+@pytest.fixture(scope="module")
+def folder(fit, tmp_path_factory):
+    directory = tmp_path_factory.mktemp("report") / "shoulder"
+    ccgen.export(fit, directory)
+    return directory
+
+
+class Cells(HTMLParser):
+    """Rows of all tables of a page."""
+
+    def __init__(self):
+        super().__init__()
+        self.rows, self.inside = [], False
+
+    def handle_starttag(self, tag, attrs):
+        if tag == "tr":
+            self.rows.append([])
+        self.inside = tag in ("td", "th")
+
+    def handle_endtag(self, tag):
+        self.inside = False
+
+    def handle_data(self, data):
+        if self.inside:
+            self.rows[-1].append(data)
+
+
+def rows(html):
+    cells = Cells()
+    cells.feed(html)
+    return {row[0]: row[1:] for row in cells.rows}
+
+
+def test_the_page_needs_nothing_else(html):
+    assert len(html.encode()) < LARGEST
+    links = re.findall(r"""(?:src|href)\s*=\s*["']([^"']*)|url\(([^)]*)\)""", html)
+    assert {link or style for link, style in links if not (link or style).startswith("#")} == {
+        "data:,"
+    }
+    assert "<script" not in html
+    assert "<image" not in html
+
+
+def test_its_tables_say_what_the_fit_says(fit, html):
+    told = rows(html)
+    for plain, noisy in zip(fit.errors[::2], fit.errors[1::2], strict=True):
+        row = told[plain.source + (" (held out)" if plain.held_out else "")]
+        assert row[0] == (f"{plain.mean_percent_rom['u']:.3g} / {noisy.mean_percent_rom['u']:.3g}")
+        assert row[-1] == f"{1e3 * plain.tip_max_m:.3g} / {1e3 * noisy.tip_max_m:.3g}"
+    assert set(told) >= {sensor.name for sensor in fit.sensed.sensors}
+    assert told["v1"] == [f"{x:.3g}" for x in (*fit.without[4].rms_deg.values(),)] + [
+        f"{1e3 * fit.without[4].tip_rms_m:.3g}"
+    ]
+    assert told["identifiers"] == ["0x300 to 0x30d"]
+    assert told["u"][1:4] == ["17", "13", "1"]
+    for warning in fit.warnings:
+        assert warning in unescape(html)
+
+
+def test_the_same_fit_gives_the_same_bytes(fit, html):
+    assert page(fit).decode() == html
+
+
+def test_every_picture_is_drawn_as_vectors(html):
+    assert html.count("<svg") == 6
+    assert "nan" not in re.findall(r' d="([^"]*)"', html)
+
+
+def test_a_folder_is_reported_with_its_fingerprint(folder, html, tmp_path):
+    output = tmp_path / "page.html"
+    assert run("report", folder, "-o", output) == 0
+    text = output.read_text()
+    assert f"{open_exported(folder).fingerprint:#010x}" in text
+    assert rows(text)["cases"] == rows(html)["cases"]
+
+
+def test_a_folder_that_was_edited_is_refused(folder, tmp_path, capsys):
+    edited = tmp_path / "shoulder"
+    shutil.copytree(folder, edited)
+    with (edited / "joint.toml").open("a") as file:
+        file.write("# mine\n")
+    assert run("report", edited, "-o", tmp_path / "page.html") == 2
+    err = capsys.readouterr().err
+    assert "joint.toml changed since it was exported; export the joint again" in err
+    assert err.count("\n") == 1
+    assert not (tmp_path / "page.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("nowhere.toml",), "nowhere.toml: no such folder or joint file"),
+        ((EXAMPLES / "shoulder.toml", "-o", "."), ": is not a file; choose another name"),
+        ((EXAMPLES,), str(EXAMPLES)),
+    ],
+)
+def test_what_does_not_fit_is_one_line(words, says, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run("report", *words) == 2
+    err = capsys.readouterr().err
+    assert (says in err, err.count("\n")) == (True, 1)
+
+
+LOADS = """
+[loads]
+samples = 60
+actuation = [-10.0, 10.0]
+elongation = [0.0, 0.03]
+[estimator]
+axes = ["v", "h"]
+"""
+STRINGS = "".join(
+    f'[[sensor]]\nname = "s{i}"\nspan = [{i // 2 * 3}, {i // 2 * 3 + 2}]\n'
+    f"angle = {180 * (i % 2)}.0\nradius = 0.03\n"
+    for i in range(4)
+)
+
+
+def test_a_planar_arm_that_elongates_is_reported(tmp_path):
+    text = joint_text(name="arm", segments=6, transducer="noise = 2e-4", step=1e-5)
+    text = re.sub(r"placement = .*\ncount = .*\nradius = .*\n", "", text)
+    text = text.replace("range_of_motion", "elongation = [0.0, 0.04]\nrange_of_motion")
+    fit = ccgen.fit(ccgen.parse(text + STRINGS + LOADS))
+    html = page(fit).decode()
+    assert {"s0", "s1", "s2", "s3", "v", "h"} <= set(rows(html))
+    assert html.count("<svg") == 6
+    assert "elongation RMS %" in rows(html)["shapes"]
+
+
+def test_without_noise_the_page_asks_for_it():
+    fit = ccgen.fit(ccgen.parse(joint_text()))
+    html = page(fit).decode()
+    assert "states no noise of its sensors" in html
+    assert html.count("<svg") == 5
+
+
+def test_numbers_that_are_not_known_are_dashes():
+    assert (tables.number(None), tables.number(float("nan")), tables.number(0.0012345)) == (
+        "–", "–", "0.00123",
+    )  # fmt: skip
+
+
+MEASURE = """
+<script>
+addEventListener("load", () => parent.postMessage(JSON.stringify({
+  wanted: document.documentElement.scrollWidth, width: innerWidth,
+  pictures: [...document.querySelectorAll("figure svg")].map(p => p.getBoundingClientRect().width),
+  paper: getComputedStyle(document.body).backgroundColor}), "*"));
+</script>
+"""
+AROUND = """<body style="margin:0"><iframe src="page.html" width="{}" height="900" style="border:0">
+</iframe><pre id="said"></pre><script>
+addEventListener("message", e => document.getElementById("said").textContent = e.data);
+</script></body>"""
+
+
+def browser(folder, *flags):
+    return subprocess.run(
+        ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+         "--enable-logging=stderr", f"--user-data-dir={folder / 'profile'}",
+         "--virtual-time-budget=3000", *flags, "--dump-dom", (folder / "around.html").as_uri()],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("width", [390, 1400])
+@pytest.mark.parametrize("dark", [False, True])
+def test_a_browser_shows_it_without_scrolling_sideways(html, tmp_path, width, dark):
+    (tmp_path / "page.html").write_text(html.replace("</body>", MEASURE + "</body>"))
+    (tmp_path / "around.html").write_text(AROUND.format(width))
+    done = browser(tmp_path, *(["--blink-settings=preferredColorScheme=0"] if dark else []))
+    said = re.search(r'<pre id="said">(.+?)</pre>', done.stdout)
+    assert said, done.stderr
+    seen = json.loads(unescape(said[1]))
+    assert seen["width"] == width
+    assert seen["wanted"] <= width
+    assert len(seen["pictures"]) == 6
+    assert all(300 < picture <= width for picture in seen["pictures"])
+    assert seen["paper"] == ("rgb(22, 22, 22)" if dark else "rgb(255, 255, 255)")
+    assert "CONSOLE" not in done.stderr
