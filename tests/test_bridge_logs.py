@@ -257,17 +257,18 @@ def test_a_signal_closes_the_log(folder, exported, tmp_path, number):
     assert len(replay.counts) > 0
 
 
-def test_frames_of_can_fd_survive_every_kind_of_log(tmp_path):
+@pytest.mark.parametrize("length", [7, 64])
+@pytest.mark.parametrize("ending", LOGS)
+def test_frames_of_can_fd_survive_every_kind_of_log(tmp_path, ending, length):
     frame = can.Message(
         timestamp=5.0, arbitration_id=0x18FF0001, is_fd=True, bitrate_switch=True,
-        data=bytes(range(64)),
+        data=bytes(range(length)),
     )  # fmt: skip
-    for ending in LOGS:
-        with frame_log(tmp_path / f"fd{ending}") as log:
-            log(frame)
-        (read,) = read_frames(tmp_path / f"fd{ending}")
-        assert (read.arbitration_id, bytes(read.data)) == (0x18FF0001, bytes(range(64)))
-        assert (read.is_fd, read.is_extended_id) == (True, True)
+    with frame_log(tmp_path / f"fd{ending}") as log:
+        log(frame)
+    (read,) = read_frames(tmp_path / f"fd{ending}", fd=True)
+    assert (read.arbitration_id, bytes(read.data)) == (0x18FF0001, bytes(range(length)))
+    assert (read.is_fd, read.is_extended_id) == (True, True)
 
 
 def test_an_empty_log_is_whole_but_holds_nothing(exported, tmp_path):

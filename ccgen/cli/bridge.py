@@ -162,7 +162,7 @@ def _replay(exported: "Exported", source: Path) -> "Replay":
 
     ending = source.suffix.lower()
     if ending in LOGS and (ending != ".csv" or is_frame_table(source)):
-        frames = read_frames(source)
+        frames = read_frames(source, exported.layout.fd)
         return logged_counts(frames, exported.codec, exported.fingerprint, source)
     times, counts = read_counts(source, exported.joint)
     return recorded_counts(times, counts, exported.layout, source)

@@ -205,7 +205,11 @@ def _frames(
 
     with asked_to_end() as ended:
         if source is not None:
-            yield _logged(source, speed is Speed.LIKE, seconds, ended)
+            from ccgen.recordings.log_files import read_frames
+
+            yield _logged(
+                read_frames(source, exported.layout.fd), speed is Speed.LIKE, seconds, ended
+            )
             return
         from ccgen.can.transports.interface import interface_node
 
@@ -236,11 +240,14 @@ def _heard(
         yield message
 
 
-def _logged(path: Path, in_time: bool, seconds: float | None, ended: Callable[[], bool]) -> Frames:
-    from ccgen.recordings.log_files import read_frames
-
+def _logged(
+    frames: "Iterator[can.Message]",
+    in_time: bool,
+    seconds: float | None,
+    ended: Callable[[], bool],
+) -> Frames:
     begin, first = time.monotonic(), None
-    for message in read_frames(path):
+    for message in frames:
         first = message.timestamp if first is None else first
         if ended() or (seconds is not None and message.timestamp - first > seconds):
             return

@@ -33,8 +33,12 @@ def is_frame_table(path: Path) -> bool:
         return False
 
 
-def read_frames(path: Path) -> "Iterator[can.Message]":
+def read_frames(path: Path, fd: bool = False) -> "Iterator[can.Message]":
     """Give the frames of a log one by one, as they lie in it.
+
+    Args:
+        path: the log.
+        fd: whether short frames are of CAN FD where the log does not say, as python-can's CSV.
 
     Raises:
         InputError: it is missing, of a kind that python-can does not know, damaged or cut off;
@@ -46,8 +50,8 @@ def read_frames(path: Path) -> "Iterator[can.Message]":
     try:
         with can.LogReader(path) as log:
             for message in log:
-                if len(message.data) > _CLASSIC_BYTES:
-                    message.is_fd = True  # python-can's CSV does not say so
+                if path.suffix.lower() == ".csv":
+                    message.is_fd = fd or len(message.data) > _CLASSIC_BYTES
                 yield message
     except Exception as error:  # readers of four formats raise whatever a damaged file leads to
         reason = " ".join(str(error).split()) or type(error).__name__

@@ -189,7 +189,10 @@ def bus(fit: "Fit") -> Table | None:
             ("cycle", f"{can.cycle_ms} ms"),
             ("frames of lengths", str(layout.lengths_frames)),
             ("frames of an answer", str(layout.answer_frames)),
-            ("bits of a frame, at most", str(frame_bits(layout))),
+            (
+                "bits of a frame, at most",
+                str(max(frame_bits(layout, frame) for frame in layout.used_frames)),
+            ),
             ("load, at most", f"{load:.3g} %"),
         ),
     )
