@@ -26,7 +26,8 @@ from mcap.reader import make_reader
 from waiting import PATIENCE, becomes
 
 from ccgen.can.logs import frame_log
-from ccgen.can.monitor import Monitor, plain
+from ccgen.can.monitor import Monitor
+from ccgen.can.seen import plain
 from ccgen.can.transports.library import _Node
 from ccgen.cli.main import main
 from ccgen.cli.monitor_display import line, table

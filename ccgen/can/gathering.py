@@ -71,6 +71,7 @@ class Gatherer:
         self._patience = STALE_CYCLES * 1e-6 * layout.cycle_us + _HALF_US
         self._phase: _Phase = "none"
         self._newest = Gathered(0, 0.0, [None] * frames, 0)
+        self._taken: set[int] = set()
         self._next: set[Fault] = set()
         self._now = self._heard = float("-inf")
         self._completed = float("inf")
@@ -127,8 +128,8 @@ class Gatherer:
         """Begin a snapshot where the frame belongs to none in progress."""
         skipped = 0
         if self._phase != "none":
-            there = self._newest.parts[slot]
-            if ahead == 0 and there in (None, values):
+            same = slot not in self._taken or self._newest.parts[slot] == values
+            if ahead == 0 and same:
                 return None
             if self._phase == "pending":
                 self._newest.faults.add("some_lost")
@@ -141,19 +142,25 @@ class Gatherer:
         parts: list[tuple[int, ...] | None] = [None] * self._frames
         self._newest = Gathered(number, self._now, parts, slot, skipped, self._next)
         self._next = set()
+        self._taken.clear()
         return self._newest
 
     def _place(self, slot: int, values: tuple[int, ...]) -> Fault | None:
         newest = self._newest
-        if self._phase == "complete" or newest.parts[slot] is not None:
+        if self._phase == "complete":
             newest.faults.add("repeated")
             return "repeated"
-        late = self._now - newest.t > self._window
-        newest.parts[slot] = values
-        if late:
+        if self._phase == "dropped" or self._now - newest.t > self._window:
             newest.faults.add("late")
+            newest.parts[slot] = newest.parts[slot] or values
             self._phase = "dropped"
-        elif newest.complete and self._phase == "pending":
+            return "late"
+        if slot in self._taken:
+            newest.faults.add("repeated")
+            return "repeated"
+        newest.parts[slot] = values
+        self._taken.add(slot)
+        if newest.complete:
             self._phase = "complete"
             self._completed = self._now
-        return "late" if late else None
+        return None

@@ -9,7 +9,7 @@ wider window, and answers.
 
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import can
@@ -17,44 +17,14 @@ import numpy as np
 
 from ccgen.can.codec import Codec, Decoded, Health, Refused, Status, health_of, status_of
 from ccgen.can.gathering import Fault, Gathered, Gatherer
-from ccgen.can.layout import FAULTS, FrameLayout
-from ccgen.can.reference import missing_readings, reference_values
+from ccgen.can.layout import FAULTS
+from ccgen.can.reference import Comparison, missing_readings
+from ccgen.can.seen import FrameStates, Seen, State
 from ccgen.errors import InputError
 from ccgen.fixedpoint import FixedPointModel
 
-State = Literal["good"] | Fault
-"""What a frame, or a snapshot, is to its receiver."""
-
 _ORDER = get_args(Fault)
 _OF_THE_MODEL = 0
-_NO_TIP = -(2**15)
-
-
-@dataclass(frozen=True)
-class Seen:
-    """One snapshot.
-
-    Attributes:
-        t: when its first frame came, seconds of the bus's clock.
-        number: of the snapshot.
-        counts: in the joint's order of sensors, None where nothing came; empty where LENGTHS are
-            not on the bus.
-        values: raw values of all axes, None where nothing came.
-        tip: raw coordinates; None where it did not come.
-        missing, suspected: names of sensors.
-        faults: in the order of `Fault`; ("good",) where there is none.
-        frames: what was wrong with single frames since the snapshot told before, by name.
-    """
-
-    t: float
-    number: int
-    counts: tuple[int | None, ...]
-    values: tuple[int | None, ...]
-    tip: tuple[int, ...] | None
-    missing: tuple[str, ...]
-    suspected: tuple[str, ...]
-    faults: tuple[State, ...]
-    frames: dict[str, tuple[Fault, ...]]
 
 
 @dataclass(eq=False)
@@ -73,26 +43,6 @@ class _Record:
         return self.answer is not None and self.answer.complete
 
 
-@dataclass
-class FrameStates:
-    """What one frame of the joint was to its receiver so far."""
-
-    name: str
-    counts: "Counter[State]" = field(default_factory=Counter)
-    state: State = "never_seen"
-    t: float = float("-inf")
-
-    def see(self, state: State, t: float) -> None:
-        """Take what the frame was this time."""
-        self.counts[state] += 1
-        self.state, self.t = state, t
-
-    def miss(self, times: int) -> None:
-        """Take that it did not come."""
-        self.counts["some_lost"] += times
-        self.state = "some_lost"
-
-
 class Monitor:
     """Takes frames and gives the snapshots that they make.
 
@@ -103,7 +53,6 @@ class Monitor:
         latest: the snapshot told last.
         health: the latest; None before the first.
         node_faults: names of what the node's statuses told.
-        compared, mismatches: snapshots held against the reference model; values that differ.
     """
 
     def __init__(
@@ -138,14 +87,24 @@ class Monitor:
         self._spoilt: dict[str, set[Fault]] = {}
         self._serial = self._begun = self._answered = 0
         self._counters: dict[str, int] = {}
-        self._to_compare: list[tuple[tuple[int, ...], tuple[int, ...]]] = []
+        self._comparison = Comparison(model)
         self._first = self._last = 0.0
         self.now = float("-inf")
-        self.told = self.compared = self.mismatches = 0
+        self.told = 0
         self.faults: Counter[State] = Counter()
         self.latest: Seen | None = None
         self.health: Health | None = None
         self.node_faults: set[str] = set()
+
+    @property
+    def compared(self) -> int:
+        """Snapshots that were held against the reference model."""
+        return self._comparison.compared
+
+    @property
+    def mismatches(self) -> int:
+        """Values of those that differ from it."""
+        return self._comparison.mismatches
 
     @property
     def heard(self) -> int:
@@ -189,8 +148,8 @@ class Monitor:
             whole = record.answered or self.now - record.t > self._window
             if whole or (self._answered == 0 and _complete(record.lengths)):
                 yield self._tell(record)
-        if not self._layout.commands:
-            self._compare()
+        if not self._layout.commands and self._zero_is_the_models():
+            self._comparison.hold()
 
     def states(self) -> dict[str, State]:
         """What each frame is now: stale where it has not come for too long."""
@@ -310,8 +269,9 @@ class Monitor:
             )
         self.health = health
         if health.zero == _OF_THE_MODEL:
-            self._compare()
-        self._to_compare.clear()
+            self._comparison.hold()
+        else:
+            self._comparison.forget()
 
     def _ready(self) -> Iterator[Seen]:
         while self._records and self._is_ready(self._records[0]):
@@ -342,7 +302,7 @@ class Monitor:
         tip = answer.parts[-1] if answer and self._layout.publishes("tip") else None
         if _complete(lengths) and record.answered and self._angles and lengths and answer:
             whole = [value for part in answer.parts[: self._angles] for value in part or ()]
-            self._to_compare.append((lengths.values, tuple(whole)))
+            self._comparison.take(lengths.values, tuple(whole))
         seen = Seen(
             t=record.t,
             number=record.number,
@@ -421,46 +381,6 @@ class Monitor:
             if part is None:
                 self.frames[key].miss(1)
 
-    def _compare(self) -> None:
-        """Hold what was answered with the model's zeros against the reference model."""
-        if not self._to_compare or not self._zero_is_the_models():
-            return
-        counts, values = zip(*self._to_compare, strict=True)
-        wanted = reference_values(self._model, counts)
-        self.mismatches += int(np.count_nonzero(wanted != np.array(values, dtype=np.int64)))
-        self.compared += len(counts)
-        self._to_compare.clear()
-
 
 def _complete(gathered: Gathered | None) -> bool:
     return gathered is not None and gathered.complete
-
-
-def plain(seen: Seen, model: FixedPointModel, layout: FrameLayout) -> dict[str, Any]:
-    """A snapshot in degrees, metres and shares of the length, for JSON; None for no reading."""
-    parts: dict[str, list[float | None]] = {}
-    start, lowest = 0, -(2 ** (model.precision - 1))
-    for name, axis in model.axes.items():
-        raw = seen.values[start : start + axis.segments]
-        start += axis.segments
-        scale = 2.0**-axis.fraction_bits * (1.0 if name == "h" else 180.0 / np.pi)
-        parts[name] = [
-            None if value is None or value == lowest else round(scale * value, 9) for value in raw
-        ]
-    step = 2.0**-layout.tip_fraction_bits
-    tip = [None if x == _NO_TIP else step * x for x in seen.tip or (_NO_TIP,) * 3]
-    absent = -(1 << (8 * layout.count_bytes - 1))
-    record: dict[str, Any] = {
-        "t": seen.t,
-        "counter": seen.number,
-        "counts": [None if count == absent else count for count in seen.counts] or None,
-        "angles_deg": {axis: parts[axis] for axis in parts if axis != "h"},
-        "elongation": parts.get("h"),
-        "tip_m": tip,
-        "missing": list(seen.missing),
-        "suspected": list(seen.suspected),
-        "faults": list(seen.faults),
-    }
-    if seen.frames:
-        record["messages"] = {name: list(own) for name, own in seen.frames.items()}
-    return record

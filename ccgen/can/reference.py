@@ -32,3 +32,42 @@ def missing_readings(model: FixedPointModel, counts: ArrayLike) -> NDArray[np.bo
     for axis in model.axes.values():
         missing[:, axis.part] |= axis.missing(taken[:, axis.part])
     return missing
+
+
+class Comparison:
+    """Answers held against the reference model, once it is known that they have the model's zeros.
+
+    Attributes:
+        compared: answers that were held against it.
+        mismatches: values of those that differ.
+    """
+
+    def __init__(self, model: FixedPointModel) -> None:
+        self._model = model
+        self._counts: list[tuple[int, ...]] = []
+        self._values: list[tuple[int, ...]] = []
+        self.compared = self.mismatches = 0
+
+    def take(self, counts: tuple[int, ...], values: tuple[int, ...]) -> None:
+        """Keep an answer until it is known whether it can be compared.
+
+        Args:
+            counts: of all sensors, in the joint's order.
+            values: of all axes.
+        """
+        self._counts.append(counts)
+        self._values.append(values)
+
+    def hold(self) -> None:
+        """Compare what was kept."""
+        if self._counts:
+            wanted = reference_values(self._model, self._counts)
+            answered = np.array(self._values, dtype=np.int64)
+            self.mismatches += int(np.count_nonzero(wanted != answered))
+            self.compared += len(self._counts)
+        self.forget()
+
+    def forget(self) -> None:
+        """Let what was kept go: it was estimated with other zeros."""
+        self._counts.clear()
+        self._values.clear()

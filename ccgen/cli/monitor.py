@@ -18,8 +18,9 @@ from ccgen.errors import BusError, CheckError, InputError
 if TYPE_CHECKING:
     import can
 
-    from ccgen.can.monitor import Monitor, Seen
+    from ccgen.can.monitor import Monitor
     from ccgen.can.outlets import Outlet
+    from ccgen.can.seen import Seen
     from ccgen.targets.exported import Exported
 
 _GLANCE = 0.05
@@ -150,7 +151,7 @@ def _follow(
     where: str,
 ) -> None:
     """Take all frames and pass on the snapshots that they make."""
-    from ccgen.can.monitor import plain
+    from ccgen.can.seen import plain
 
     def pass_on(seen: "Seen") -> None:
         record = plain(seen, exported.model, exported.layout)

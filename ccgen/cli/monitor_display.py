@@ -11,7 +11,8 @@ from rich.live import Live
 from rich.table import Table
 
 from ccgen.can.layout import AXIS_STATES, ZERO_STATES
-from ccgen.can.monitor import Monitor, Seen, plain
+from ccgen.can.monitor import Monitor
+from ccgen.can.seen import Seen, plain
 from ccgen.cli.output import note, progress, show_table
 
 if TYPE_CHECKING:
