@@ -25,6 +25,10 @@ from ccgen.targets.host import compile_shared
 EXAMPLE = Path(__file__).parent.parent / "examples" / "shoulder.toml"
 
 
+NUMBERS = 240
+"""After which those of snapshots come again."""
+
+
 def ccgen(*arguments: str) -> int:
     with pytest.raises(SystemExit) as end:
         main(arguments)
@@ -185,3 +189,79 @@ def test_progress_is_shown_once_an_interval(monkeypatch, stream):
         clock[0] = step / 100
         show(answer_to(stream, 0))
     assert shown == [0.1, 0.2]
+
+
+def lines_of(capsys):
+    """Snapshots by their number from the first, and the summary."""
+    *rows, last = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    first = rows[0]["counter"]
+    return {(row["counter"] - first) % NUMBERS: row for row in rows}, last["summary"]
+
+
+def test_faults_reach_the_node_and_the_model_alike(folder, capsys):
+    status = ccgen(
+        "bridge", str(folder), "--seconds", "0.5", "--rate", "100", "--fault", "u1=lost@0.2",
+        "--fault", "v0=stuck@0.1", "--fault", "v2=offset:0.0004@0.3", "--json-lines",
+    )  # fmt: skip
+    assert status == 0
+    rows, summary = lines_of(capsys)
+    assert summary["mismatches"] == summary["lost_frames"] == 0
+    assert summary["injected"] == ["u1=lost@0.2", "v0=stuck@0.1", "v2=offset:0.0004@0.3"]
+    assert "MISSING" in summary["faults"]
+    assert summary["error_percent_rom"]["u"]["mean"] > 0
+    exported = open_exported(folder)
+    sent = simulated_stream(
+        exported.joint, exported.model, score_library(exported.joint), "cases", 0.5, 100.0
+    ).counts
+    for index, row in rows.items():
+        lost, stuck, off = index >= 20, index >= 10, index >= 30
+        assert row["missing"] == (["u1"] if lost else [])
+        assert ("missing" in row["faults"]) == lost
+        assert row["counts"][1] == (None if lost else sent[index, 1])
+        assert row["counts"][3] == sent[10 if stuck else index, 3]
+        assert row["counts"][5] == sent[index, 5] + 200 * off
+        assert row["counts"][0] == sent[index, 0]
+    assert set(rows) >= set(range(1, 49))
+
+
+def test_lines_are_those_of_monitor(folder, capsys):
+    assert ccgen("bridge", str(folder), "--seconds", "0.1", "--json-lines") == 0
+    rows, summary = lines_of(capsys)
+    assert summary["answered"] == 10
+    assert set(rows[3]) == {
+        "t", "counter", "counts", "angles_deg", "elongation", "tip_m", "missing", "suspected",
+        "faults",
+    }  # fmt: skip
+    assert rows[3]["faults"] == ["good"]
+    assert rows[3]["elongation"] is None
+    assert [len(rows[3]["angles_deg"][axis]) for axis in "uv"] == [12, 12]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--fault", "u7=lost@1"], "--fault: u7=lost@1: no sensor is called 'u7'; give one of u0"),
+        (["--fault", "u1=gone@1"], "--fault: u1=gone@1: 'gone' is no fault; write SENSOR=stuck"),
+        (["--fault", "u1=lost"], "--fault: u1=lost: is not of the form SENSOR=stuck@SECONDS"),
+        (["--fault", "u1=lost@1", "--seconds", "0.5"], "begins after the last snapshot, at 0.49 s"),
+        (["--json", "--json-lines"], "--json-lines: ends with what --json prints; give one"),
+    ],
+)
+def test_faults_that_cannot_be_are_one_line(folder, capsys, words, said):
+    assert ccgen("bridge", str(folder), *words) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err
+    assert len(err.splitlines()) == 1
+
+
+def test_an_axis_without_reading_is_shown_so(stream):
+    lost = -(2 ** (stream.model.precision - 1))
+    answer = answer_to(stream, 20)
+    segments = stream.model.segments
+    answer = replace(answer, angles=(lost,) * segments + answer.angles[segments:])
+    assert set(stream.error_percent_rom(answer)) == {"v"}
+    console = Console(width=140, file=None, record=True, quiet=False)
+    with console.capture() as shown:
+        console.print(bridge_display._table(stream, "virtual", answer, 2.0))
+    assert "no reading" in shown.get()

@@ -1,6 +1,6 @@
 """Lengths to a node and its estimates back, compared with the model and with the true shape."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from ccgen.errors import InputError
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts as counts_at
+from ccgen.sensing.injected import InjectedFault, with_faults
 from ccgen.sensing.motion import joint_motion
 from ccgen.shapes import ShapeLibrary, Shapes
 
@@ -40,6 +41,7 @@ class Stream:
         counts: shape (k, n).
         times: when snapshots are sent, seconds from the first, shape (k,); None for `rate_hz`.
         first: number of the first snapshot; None for one that the bus has not just seen.
+        faults: of sensors, that were put into the counts.
     """
 
     joint: Joint
@@ -50,6 +52,7 @@ class Stream:
     counts: NDArray[np.int64]
     times: Floats | None = None
     first: int | None = None
+    faults: tuple[str, ...] = ()
 
     @property
     def tip_fraction_bits(self) -> int:
@@ -66,9 +69,14 @@ class Stream:
         return {axis: getattr(self.shapes, axis)[index] for axis in self.model.axes}
 
     def estimated_values(self, raw: ArrayLike) -> dict[str, Floats]:
-        """Raw values of answers by axis, shape (..., m): radians, shares of lengths."""
-        parts = self.model.split(np.asarray(raw, dtype=np.int64))
-        return {axis: self.model.axis(axis).radians(part) for axis, part in parts.items()}
+        """Raw values of answers by axis, shape (..., m): radians, shares of lengths.
+
+        NaN where there is no reading.
+        """
+        found, lost = {}, -(2 ** (self.model.precision - 1))
+        for axis, part in self.model.split(np.asarray(raw, dtype=np.int64)).items():
+            found[axis] = np.where(part == lost, np.nan, self.model.axis(axis).radians(part))
+        return found
 
     def off_percent(self, raw: ArrayLike, index: int | NDArray[np.bool_]) -> dict[str, Floats]:
         """How far each value of answers is off by axis: % of range (eq. 12); "h": of the length."""
@@ -77,9 +85,12 @@ class Stream:
         return {axis: 100.0 / units[axis] * np.abs(estimated[axis] - true[axis]) for axis in true}
 
     def error_percent_rom(self, answer: Answer) -> dict[str, float]:
-        """Mean absolute error of an answer's values by axis, as of `off_percent`."""
+        """Mean absolute error of an answer's values by axis, as of `off_percent`.
+
+        Without axes that are lost.
+        """
         off = self.off_percent(answer.angles, answer.index)
-        return {axis: float(own.mean()) for axis, own in off.items()}
+        return {axis: float(own.mean()) for axis, own in off.items() if not np.isnan(own).any()}
 
 
 def simulated_stream(
@@ -103,6 +114,25 @@ def simulated_stream(
     shapes = joint_motion(joint, source, library, count, period)
     counts = counts_at(joint, [group.around() for group in model.groups], shapes)
     return Stream(joint, model, source, rate_hz, shapes, counts)
+
+
+def faulty_stream(
+    stream: Stream, times: ArrayLike, faults: Sequence[InjectedFault], layout: FrameLayout
+) -> Stream:
+    """The stream while sensors fail; of what is sent then, the model is asked too.
+
+    Args:
+        stream: as it would be sent.
+        times: of its snapshots, shape (k,), seconds from the first.
+        faults: of sensors.
+        layout: of its frames.
+
+    Raises:
+        ArgumentError: as of `with_faults`.
+    """
+    none = -(1 << (8 * layout.count_bytes - 1))
+    counts = with_faults(stream.joint, stream.counts, times, faults, none)
+    return replace(stream, counts=counts, faults=tuple(fault.text for fault in faults))
 
 
 def replayed_stream(
@@ -140,10 +170,11 @@ class Summary:
         lost_frames, corrupted, unexpected: as of `Exchange`.
         mismatches: angles that differ from the integer reference model.
         faults: names of the faults that the node reported.
-        error_percent_rom: per axis, over the answered snapshots; None without any, or without true
-            shapes.
+        error_percent_rom: per axis, over the answered snapshots with an estimate of it; None
+            without any, or without true shapes.
         gone: as of `Exchange`.
         stranger: what tells that the node is of another model; empty where it is not.
+        injected: faults that were put into the counts.
     """
 
     source: str
@@ -159,6 +190,7 @@ class Summary:
     error_percent_rom: dict[str, AxisError] | None
     gone: str = ""
     stranger: str = ""
+    injected: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -228,9 +260,15 @@ def _summary(stream: Stream, transport: str, result: Exchange, own: int) -> Summ
         error_percent_rom=_errors(stream, result) if answered.any() and stream.shapes else None,
         gone=result.gone,
         stranger=result.stranger(own),
+        injected=stream.faults,
     )
 
 
 def _errors(stream: Stream, result: Exchange) -> dict[str, AxisError]:
     off = stream.off_percent(result.angles[result.complete], result.complete)
-    return {axis: AxisError(float(own.mean()), float(own.max())) for axis, own in off.items()}
+    known = {axis: own[~np.isnan(own)] for axis, own in off.items()}
+    return {
+        axis: AxisError(float(own.mean()), float(own.max()))
+        for axis, own in known.items()
+        if own.size
+    }

@@ -1,8 +1,8 @@
 """`ccgen bridge`: lengths to a node, its estimates back, live."""
 
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -86,7 +86,22 @@ def bridge(
             "--log", metavar="FILE", help="Log every frame: .log (candump), .asc, .blf or .csv."
         ),
     ] = None,
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--fault",
+            metavar="SENSOR=FAULT@SECONDS",
+            help="From then on the sensor is `stuck`, `lost` or off by `offset:METRES`; may be "
+            "given again.",
+        ),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    json_lines: Annotated[
+        bool,
+        typer.Option(
+            "--json-lines", help="Print one JSON object a snapshot, as monitor does, and a summary."
+        ),
+    ] = False,
 ) -> None:
     """Stream sensor lengths to a node; compare its estimates with the model and the true shape.
 
@@ -100,20 +115,28 @@ def bridge(
       ccgen bridge firmware --interface socketcan --channel can0
       ccgen bridge firmware --log run.blf
       ccgen bridge firmware --source run.blf --speed max
+      ccgen bridge firmware --fault u1=offset:0.002@3 --fault v0=lost@5 --json-lines
     """
+    if json and json_lines:
+        raise InputError("--json-lines: ends with what --json prints; give one of them")
     if target is not None and (channel is not None or interface != "virtual"):
         raise InputError("--target: the emulated node has its own line; leave out the bus options")
     from ccgen.can import bridge as stage
     from ccgen.cli.bridge_display import display
+    from ccgen.cli.bridge_lines import snapshot_lines
     from ccgen.cli.logged import open_log
 
     with opened(path) as exported, open_log(log, source) as taken:
-        stream = _stream(exported, source, seconds, rate, speed)
+        stream = _stream(exported, source, seconds, rate, speed, fault or [])
         where = target or (f"{interface} {channel}" if channel else interface)
-        with _node(exported, interface, channel, target) as bus, display(stream, where) as show:
-            summary = stage.bridge(bus, exported.codec, stream, where, show, taken)
+        lines = snapshot_lines(exported, taken) if json_lines else nullcontext(taken)
+        node = _node(exported, interface, channel, target)
+        with node as bus, display(stream, where) as show, lines as passing:
+            summary = stage.bridge(bus, exported.codec, stream, where, show, passing)
     if json:
         print_json(summary.record())
+    elif json_lines:
+        print_json({"summary": summary.record()})
     else:
         _print(summary)
     if summary.gone:
@@ -131,27 +154,35 @@ def _stream(
     seconds: float | None,
     rate: float | None,
     speed: Speed | None,
+    faults: Sequence[str],
 ) -> "Stream":
-    """Prepare a simulated motion, or what a file holds."""
+    """Prepare a simulated motion, or what a file holds, and what breaks on the way."""
+    import numpy as np
+
     from ccgen.can import bridge as stage
+    from ccgen.sensing.injected import read_fault
     from ccgen.sensing.motion import SOURCES
     from ccgen.shapes import score_library
 
-    joint, model = exported.joint, exported.model
+    joint, model, layout = exported.joint, exported.model, exported.layout
+    injected = [read_fault(text, joint) for text in faults]
     if source in SOURCES:
         if speed is not None:
             raise InputError(f"--speed: is for files; {source} takes --rate")
         rate_hz = rate or 1000.0 / joint.can.cycle_ms
         library = score_library(joint)
         length = 10.0 if seconds is None else seconds
-        return stage.simulated_stream(joint, model, library, source, length, rate_hz)
+        stream = stage.simulated_stream(joint, model, library, source, length, rate_hz)
+        times = np.arange(len(stream.counts)) / rate_hz
+        return stage.faulty_stream(stream, times, injected, layout)
     if rate is not None:
         raise InputError("--rate: is for motions; a file takes --speed 1 or --speed max")
     if not Path(source).exists():
         raise InputError(f"--source: {source} is neither a file nor one of {', '.join(SOURCES)}")
     replay = _replay(exported, Path(source)).until(seconds)
     warn(replay.notes)
-    return stage.replayed_stream(joint, model, source, replay, speed is not Speed.MAX)
+    stream = stage.replayed_stream(joint, model, source, replay, speed is not Speed.MAX)
+    return stage.faulty_stream(stream, replay.times, injected, layout)
 
 
 def _replay(exported: "Exported", source: Path) -> "Replay":
@@ -211,6 +242,8 @@ def _print(summary: "Summary") -> None:
     table.add_row("rate", f"{summary.rate_hz:.1f} a second")
     table.add_row("frames", f"{summary.lost_frames} lost, {summary.corrupted} damaged")
     table.add_row("reference model", f"{summary.mismatches} angles differ")
+    if summary.injected:
+        table.add_row("faults put in", ", ".join(summary.injected))
     table.add_row("faults", ", ".join(summary.faults) or "none")
     for axis, error in (summary.error_percent_rom or {}).items():
         table.add_row(

@@ -74,7 +74,10 @@ def _table(stream: Stream, where: str, answer: Answer, seconds: float) -> Group:
         # Axes that share their sensors tell the counts once.
         own = [] if model.first in told else counts[model.part]
         told.add(model.first)
-        known = [_drawn(stream, axis, true[axis]), f"{errors[axis]:.3f}"] if true else []
+        known = []
+        if true:
+            error = f"{errors[axis]:.3f}" if axis in errors else ""
+            known = [_drawn(stream, axis, true[axis]), error]
         table.add_row(
             axis,
             " ".join(f"{count:6d}" for count in own),
@@ -86,6 +89,8 @@ def _table(stream: Stream, where: str, answer: Answer, seconds: float) -> Group:
 
 def _drawn(stream: Stream, axis: str, values: Floats) -> str:
     """Bends as bars; elongations in per cent."""
+    if np.isnan(values).any():
+        return "no reading"
     if axis == "h":
         return " ".join(f"{100.0 * share:.2f} %" for share in values)
     return _bars(values, stream.joint.geometry.range_of_motion)

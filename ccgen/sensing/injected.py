@@ -88,7 +88,7 @@ def with_faults(
         counts: shape (k, n), in the joint's order.
         times: of the snapshots, shape (k,), seconds from the first, never running back.
         faults: what breaks.
-        no_reading: count that stands for none.
+        no_reading: count that stands for none, the most negative one that a frame holds.
 
     Raises:
         ArgumentError: a fault begins after the last snapshot.
@@ -106,6 +106,7 @@ def with_faults(
         else:
             sensor = joint.sensors[fault.sensor]
             low, high = count_limits(sensor.bits, sensor.signed)
+            low, high = max(low, no_reading + 1), min(high, -no_reading - 1)
             there = column != no_reading
             column[there] = np.clip(column[there] + fault.counts, low, high)
     return found
