@@ -8,6 +8,7 @@ from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 from joint_files import joint_text
 
@@ -166,6 +167,15 @@ def test_a_planar_arm_that_elongates_is_reported(tmp_path):
     assert "elongation RMS %" in rows(html)["shapes"]
 
 
+@pytest.mark.parametrize("name", ["spine", "wrist"])
+def test_other_examples_are_reported(name, tmp_path, capsys):
+    assert run("report", EXAMPLES / f"{name}.toml", "-o", tmp_path / "page.html") == 0
+    text = (tmp_path / "page.html").read_text()
+    assert f"<h1>{name}</h1>" in text
+    assert len(text) < LARGEST
+    assert capsys.readouterr().err == f"ccgen: wrote {tmp_path}/page.html\n"
+
+
 def test_without_noise_the_page_asks_for_it():
     fit = ccgen.fit(ccgen.parse(joint_text()))
     html = page(fit).decode()
@@ -202,9 +212,31 @@ def browser(folder, *flags):
     )  # fmt: skip
 
 
+def test_a_long_name_of_a_recording_scrolls_nothing(tmp_path):
+    name = "recordings_of_the_second_of_december_in_the_cellar_0123456789.csv"
+    rows = ["t," + ",".join(f"{axis}{i}" for axis in "uv" for i in range(12))]
+    wave = np.sin(np.linspace(0, 20, 120)[:, None] * (1 + np.arange(24) / 40))
+    rows += [f"{0.1 * k:.1f}," + ",".join(f"{x:.3f}" for x in row) for k, row in enumerate(wave)]
+    (tmp_path / name).write_text("\n".join(rows))
+    text = joint_text(transducer="noise = 1e-4", tables=f'[[recordings]]\nfile = "{name}"\n')
+    html = page(ccgen.fit(ccgen.parse(text, folder=tmp_path))).decode()
+    assert name in html
+    seen = shown(html, tmp_path, 390)
+    assert seen["wanted"] <= 390
+
+
 @pytest.mark.parametrize("width", [390, 1400])
 @pytest.mark.parametrize("dark", [False, True])
 def test_a_browser_shows_it_without_scrolling_sideways(html, tmp_path, width, dark):
+    seen = shown(html, tmp_path, width, dark)
+    assert len(seen["pictures"]) == 6
+    assert all(300 < picture <= width for picture in seen["pictures"])
+    assert seen["wanted"] <= width
+    assert seen["paper"] == ("rgb(22, 22, 22)" if dark else "rgb(255, 255, 255)")
+
+
+def shown(html, tmp_path, width, dark=False):
+    """What a browser says of the page in a window of that width; fails where its console does."""
     (tmp_path / "page.html").write_text(html.replace("</body>", MEASURE + "</body>"))
     (tmp_path / "around.html").write_text(AROUND.format(width))
     done = browser(tmp_path, *(["--blink-settings=preferredColorScheme=0"] if dark else []))
@@ -212,8 +244,5 @@ def test_a_browser_shows_it_without_scrolling_sideways(html, tmp_path, width, da
     assert said, done.stderr
     seen = json.loads(unescape(said[1]))
     assert seen["width"] == width
-    assert seen["wanted"] <= width
-    assert len(seen["pictures"]) == 6
-    assert all(300 < picture <= width for picture in seen["pictures"])
-    assert seen["paper"] == ("rgb(22, 22, 22)" if dark else "rgb(255, 255, 255)")
     assert "CONSOLE" not in done.stderr
+    return seen

@@ -6,7 +6,7 @@ import numpy as np
 
 from ccgen.estimation.errors import Missed, Pooled
 from ccgen.estimation.fitted import FittedWeights
-from ccgen.figures.style import Floats, styled
+from ccgen.figures.style import Floats, shortened, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,12 +35,12 @@ def bands_figure(fit: FittedWeights) -> "Figure":
             upper = _rms(noisy, axis)
             lower = upper if plain is None else _rms(plain, axis)
             axes.fill_between(numbers, lower, upper, color=colour, alpha=0.25, linewidth=0.0)
-            axes.plot(numbers, lower, ".-", color=colour, linewidth=1.2, label=name)
+            axes.plot(numbers, lower, ".-", color=colour, linewidth=1.2, label=shortened(name))
     for axis, axes in zip(bending, rows, strict=True):
         axes.set(title=f"Error of {axis}", ylabel="RMS / deg", yscale="log")
     rows[-1].set_xlabel("segment")
     handles, labels = rows[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=7.5)
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=7.0)
     return figure
 
 

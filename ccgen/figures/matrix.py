@@ -32,6 +32,7 @@ def matrix_figure(fit: FittedWeights) -> "Figure":
         axes.set_xticks(
             np.arange(len(names)) + 0.5, names, rotation=90 if len(names) > 6 else 0, fontsize=7.5
         )
+        axes.yaxis.get_major_locator().set_params(integer=True)
         kind = "section" if axis == "h" else "segment"
         axes.set(title=f"Weights of {axis}", ylabel=kind)
         axes.grid(visible=False)

@@ -33,6 +33,8 @@ STYLE: dict[Any, Any] = {
     "svg.hashsalt": "ccgen",
 }
 POINTS_PER_SEGMENT = 8
+_LONGEST_NAME = 26
+"""Characters."""
 
 
 def styled(draw: Callable[P, T]) -> Callable[P, T]:
@@ -85,6 +87,11 @@ def space_curve(u: Floats, v: Floats, lengths: Floats) -> Floats:
     """
     parts = (np.repeat(x / POINTS_PER_SEGMENT, POINTS_PER_SEGMENT) for x in (u, v, lengths))
     return np.concatenate([np.zeros((1, 3)), chain(*parts)[:, :3, 3]])
+
+
+def shortened(name: str) -> str:
+    """A source's name as it fits into a picture: the end of a long path."""
+    return name if len(name) <= _LONGEST_NAME else "…" + name[1 - _LONGEST_NAME :]
 
 
 def new_figure(size: tuple[float, float], columns: int, rows: int = 1) -> tuple["Figure", Any]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ccgen.estimation.fitted import FittedWeights
-from ccgen.figures.style import Floats, styled
+from ccgen.figures.style import Floats, shortened, styled
 from ccgen.joint import Joint
 from ccgen.sensing.noise import length_variance, second_moment, stated_noise
 from ccgen.sensing.readings import response
@@ -45,7 +45,7 @@ def sensors_figure(fit: FittedWeights) -> "Figure":
     )
     axes.plot([len(joint.sensors)], [np.degrees(own)], "D", color="#D55E00", label="this joint")
     axes.set(
-        title=f"Error against the number of sensors, on {fit.stated.name}",
+        title="Error against the number of sensors",
         xlabel=f"sensors, at {len(places)} place{'s' * (len(places) > 1)} around the joint",
         ylabel="RMS of a segment / deg", yscale="log",
     )  # fmt: skip
@@ -75,7 +75,8 @@ def noise_figure(fit: FittedWeights) -> "Figure | None":
         stated = float(np.degrees(np.sqrt(known + spread)))
         axes.plot([1.0], [stated], "D", color=colour)
     axes.set(
-        title=f"Error against noise, on {source.name}", xlabel="times the noise that is stated",
+        title=f"Error against noise, on {shortened(source.name)}",
+        xlabel="times the noise that is stated",
         ylabel="RMS of a segment / deg", xscale="log", yscale="log",
     )  # fmt: skip
     axes.legend()
