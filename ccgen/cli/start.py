@@ -11,6 +11,9 @@ from ccgen.outputs import terminate
 _YOUNG = 100_000
 """Objects between two collections of garbage."""
 
+_LARGE = 32_000_000
+"""Bytes of a block up to which freed memory is kept."""
+
 
 def start() -> None:
     """Run the program; Ctrl-C and SIGTERM end it by way of every clean-up, in one line at most."""
@@ -43,5 +46,8 @@ def _spare() -> None:
     """Leave out work that does nothing for a program that soon ends."""
     # What imports make is there to stay: it need not be searched for garbage again and again.
     gc.set_threshold(_YOUNG, *gc.get_threshold()[1:])
+    # The allocator of glibc keeps freed memory up to the size of the largest block that was given
+    # back, instead of asking for the same pages again; this one is never touched.
+    bytearray(_LARGE)
     # Plugins of pydantic are looked for in the metadata of everything that is installed.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")

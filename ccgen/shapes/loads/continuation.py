@@ -36,6 +36,9 @@ _NEAR = 1e-2
 _AT_THE_END = 1e-8
 """Corrections that count as converged, radians; the next one would be about their square."""
 _CORRECTIONS = 7
+_STEERED, _STEERINGS = 4.0, 3
+"""Turn, as a share of the correction's, and number of corrections by which the factor of a trial
+that aims at the limit follows them."""
 _SMALLEST_STEP = 1e-6
 """Share of the loads reached so far; the branch ends where only smaller steps are left."""
 _MOST_EVALUATIONS = 600
@@ -132,10 +135,29 @@ class _Walk:
         exact = self._aimed[samples] | (self.factor[samples] == 1.0)
         done = ~failed & (turn < np.where(exact, _AT_THE_END, _NEAR))
         self.angles[..., samples[~failed]] += step.correction[..., ~failed]
+        early = done | (self._corrections[samples] <= _STEERINGS)
+        steered = ~failed & self._aimed[samples] & early
+        if steered.any():
+            self._steer(samples[steered], step.tangent[..., steered], turn[steered])
         if failed.any():
             self._retreat(samples[failed])
         if done.any():
             self._advance(samples[done], step.tangent[..., done])
+
+    def _steer(self, samples: Index, tangent: Array, turn: Array) -> None:
+        """Let the factor of trials that aim at the limit follow what a correction changed.
+
+        Not far, and at first only, so that trials come to rest.
+        """
+        bend, rate = _bend(self.angles[..., samples], tangent, self._limit.starts)
+        step = (self._limit.largest[samples] * (1 - _MARGIN) - bend) / rate
+        ahead = self.factor[samples] + step
+        farthest = np.minimum(self._beyond[samples], 1.0)
+        within = (self._base[samples] < ahead) & (ahead < farthest)
+        near = np.abs(step) * _largest_turn(tangent) <= np.maximum(_STEERED * turn, _AT_THE_END)
+        step = np.where(within & near, step, 0.0)
+        self.angles[..., samples] += tangent * step
+        self.factor[samples] += step
 
     def end(self) -> Raised:
         """The last equilibria; who is still on the way is lost."""

@@ -16,6 +16,7 @@ from ccgen.shapes.loads.continuation import (
     REACHED,
     STEEPEST,
     Limit,
+    Raised,
     raise_loads,
 )
 from ccgen.shapes.loads.draws import Draws, draw_loads, loads_at
@@ -27,8 +28,11 @@ ELEMENTS = 24
 _ATTEMPTS = 4
 """At most so many draws for each shape that is asked for."""
 
-_FIRST, _FEWEST = 256, 0.1
-"""Draws after which it is known what share of them gives a shape, and the share that is enough."""
+_BATCH = 256
+"""Draws at once: what Newton's step works on stays near the processor."""
+
+_FEWEST = 0.1
+"""Share of the draws that is enough to give a shape, known after the first batch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +74,7 @@ def drawn_shapes(
     bent: list[_Bent] = []
     drawn = found = 0
     while found < ranges.samples and drawn < most and not _hopeless(found, drawn):
-        ahead = ranges.samples - found if drawn else min(ranges.samples, _FIRST)
+        ahead = min(ranges.samples - found, _BATCH)
         some = np.arange(drawn, min(drawn + ahead, most))
         bent.append(_bend(draws.of(some), sections, length, range_of_motion))
         drawn += some.size
@@ -102,7 +106,7 @@ def shapes_at(
 
 def _hopeless(found: int, drawn: int) -> bool:
     """Whether so few draws give a shape that more of them would take long and tell little."""
-    return drawn >= _FIRST and found < _FEWEST * drawn
+    return drawn >= _BATCH and found < _FEWEST * drawn
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,14 +145,22 @@ def _bend(draws: Draws, sections: tuple[int, ...], length: float, range_of_motio
     mesh = meshes.cut(sum(sections), ELEMENTS, length, draws.stiffness, elongation)
     limits = np.full(draws.contact_place.shape, range_of_motion)
     weight = meshes.spread(mesh, draws.weight)
-    steep = Limit(mesh.starts, np.full_like(limits, STEEPEST))
-    hanging = raise_loads(mesh.rods, meshes.no_loads(mesh), weight, steep, mesh.straight)
+    hanging = _hanging(mesh, weight)
     bent = raise_loads(
         mesh.rods, weight, _scalable(mesh, draws), Limit(mesh.starts, limits), hanging.angles
     )
     alone = np.where(hanging.outcome == LIMITED, OUTSIDE, hanging.outcome)
     outcome = np.where(hanging.outcome == REACHED, bent.outcome, alone)
     return _Bent(*meshes.segment_angles(mesh, bent.angles), bent.factor, outcome)
+
+
+def _hanging(mesh: meshes.Mesh, weight: DeadLoads) -> Raised:
+    """The joints under their weight alone."""
+    straight, n = mesh.straight, mesh.straight.shape[-1]
+    if not weight.force.any():
+        return Raised(straight, np.ones(n), np.full(n, REACHED, dtype=np.int8))
+    steep = Limit(mesh.starts, np.full(n, STEEPEST))
+    return raise_loads(mesh.rods, meshes.no_loads(mesh), weight, steep, straight)
 
 
 def _scalable(mesh: meshes.Mesh, draws: Draws) -> DeadLoads:
