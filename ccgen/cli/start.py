@@ -48,6 +48,6 @@ def _spare() -> None:
     gc.set_threshold(_YOUNG, *gc.get_threshold()[1:])
     # The allocator of glibc keeps freed memory up to the size of the largest block that was given
     # back, instead of asking for the same pages again; this one is never touched.
-    bytearray(_LARGE)
+    bytes(_LARGE)
     # Plugins of pydantic are looked for in the metadata of everything that is installed.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")

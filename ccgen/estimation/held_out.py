@@ -91,7 +91,7 @@ class RecordedFit:
         blocks = []
         for k in range(BLOCKS):
             self.report("held-out blocks", k, BLOCKS)
-            found = recorded(self.whole.found.stated, self.recordings, k)
+            found = recorded(self.whole.found.stated, self.recordings, k, self.whole.found)
             task = Task(found.joint, [*self.simulated, *found.sources(without=k)], exact=False)
             blocks.append(Block(found, task, fit_task(task, self.method)))
         self.report("held-out blocks", BLOCKS, BLOCKS)

@@ -159,7 +159,10 @@ class Recorded:
 
 
 def recorded(
-    joint: "Joint", recordings: Sequence["Recording"], without: int | None = None
+    joint: "Joint",
+    recordings: Sequence["Recording"],
+    without: int | None = None,
+    whole: Recorded | None = None,
 ) -> Recorded:
     """References of recordings.
 
@@ -167,13 +170,15 @@ def recorded(
         joint: as its file has it.
         recordings: its recordings, read.
         without: number of a block from whose rows nothing is learned.
+        whole: what was found with nothing left out, to begin with.
 
     Raises:
         InputError: a recording that does not tell shapes.
     """
     from ccgen.recordings.references import references
 
-    return Recorded(joint, references(joint, recordings, without))
+    begin = () if whole is None else whole.references
+    return Recorded(joint, references(joint, recordings, without, begin))
 
 
 def _known(values: Floats | None) -> Floats:

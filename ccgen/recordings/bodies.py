@@ -17,7 +17,7 @@ from ccgen.joint.specification import Geometry
 from ccgen.recordings.fine import Fine, fine
 from ccgen.recordings.frames import mean_frame, mounted, sighted
 from ccgen.recordings.gains import Calibration, Sensed, borrowed, stretch_zero
-from ccgen.recordings.learning import independent_rows, shapes
+from ccgen.recordings.learning import independent_rows, shapes, states
 from ccgen.recordings.lengths import expected_changes, read_lengths
 from ccgen.recordings.likelihood import Lengths, Parameters, Posterior
 from ccgen.recordings.modes import Model, joint_model
@@ -36,6 +36,10 @@ Floats = NDArray[np.float64]
 
 _APPROACH = ((FAR, 4), (CLOSER, 1), (NEAR, 2))
 """How often shapes are sought anew from the straight joint on, by how well they are known."""
+_APPROACH_ANEW = ((NEAR, 2),)
+"""From shapes on that were found with a few more rows to learn from."""
+_TURNS, _TURNS_ANEW = 3, 1
+"""How often shapes by bodies and readings are sought anew."""
 _MANY = 8
 """Bodies that tell how smooth a shape is."""
 _FRAME_ROWS = 400
@@ -47,33 +51,44 @@ def body_references(
     recordings: Sequence[Recording],
     without_block: int | None,
     common: Calibration | None = None,
+    whole: Sequence[Reference] = (),
 ) -> tuple[Reference, ...]:
     """References of recordings with bodies; arguments as of `references`.
 
     Args:
         common: what other recordings of the joint told of its sensors.
+        whole: the references without anything left out, in the order of the recordings.
     """
     cut = fine(joint.geometry)
     sensors = recorded_sensors(joint)
     sensors = replace(sensors, matrix=sensors.matrix @ cut.gather)
     model = joint_model(cut.geometry, joint.loads, _rough(recordings))
+    starts = [_states(one) for one in whole] or [None] * len(recordings)
     telling: dict[int, Part] = {}
     for i, recording in enumerate(recordings):
         if recording.file.use == "fit":
-            telling[i] = _part(cut.geometry, recording, model, sensors, without_block)
-    shared, settled = pooled(joint, list(telling.values()), model, sensors, common)
+            telling[i] = _part(
+                cut.geometry, recording, model, sensors, without_block, start=starts[i]
+            )
+    before = next((one.learned for one in whole if one.learned is not None), None)
+    shared, settled = pooled(joint, list(telling.values()), model, sensors, common, before)
     telling = dict(zip(telling, settled, strict=True))
     made = []
     for i, recording in enumerate(recordings):
         if i in telling:
             group = list(telling).index(i)
             sensed = None if shared.calibration is None else shared.calibration.of(group)
-            made.append(_reference(telling[i], shared, sensed, sensors, cut))
+            made.append(_reference(telling[i], shared, sensed, sensors, cut, starts[i]))
         else:
-            part = _part(cut.geometry, recording, model, sensors, None, settled)
+            part = _part(cut.geometry, recording, model, sensors, None, settled, starts[i])
             sensed = _borrowed(part, shared, common, sensors)
-            made.append(_reference(part, shared, sensed, sensors, cut))
+            made.append(_reference(part, shared, sensed, sensors, cut, starts[i]))
     return tuple(made)
+
+
+def _states(reference: Reference) -> Floats | None:
+    """Most probable states with their twist, shape (N, p)."""
+    return None if reference.sighting is None else reference.sighting.state
 
 
 def _rough(recordings: Sequence[Recording]) -> bool:
@@ -89,11 +104,13 @@ def _part(
     sensors: RecordedSensors,
     without_block: int | None,
     others: Sequence[Part] = (),
+    start: Floats | None = None,
 ) -> Part:
     """Lay a recording's bodies and readings beside each other, with shapes by the bodies alone.
 
     Args:
         others: recordings to fit to, from which one to score with takes what is fixed to bodies.
+        start: states that are nearly right, shape (N, p).
     """
     sights, frame, spread = sighted(recording, geometry)
     allowed = learned_rows(recording, without_block)
@@ -111,7 +128,7 @@ def _part(
             frame = mounted(some, frame, states)
         some, frame = refined(some, frame, spread, usual(model), share, noisy=unstated(recording))
         sights = some.noise_of(sights)
-    state = _by_bodies(sights, frame, model, _nothing_learned(model))
+    state = _by_bodies(sights, frame, model, _nothing_learned(model), start)
     read = None
     if recording.counts is not None:
         expected = expected_changes(state[:, :-1], sensors.matrix)
@@ -130,7 +147,9 @@ def _nothing_learned(model: Model) -> Parameters:
     return Parameters(compliances, sizes, np.zeros(0), np.zeros((1, 0)))
 
 
-def _by_bodies(sights: Sights, frame: Frame, model: Model, at: Parameters) -> Floats:
+def _by_bodies(
+    sights: Sights, frame: Frame, model: Model, at: Parameters, start: Floats | None = None
+) -> Floats:
     """Most probable states by the bodies alone, twist included, shape (N, p)."""
     N, p = len(sights), len(model.basis)
     none = np.zeros(0)
@@ -139,10 +158,10 @@ def _by_bodies(sights: Sights, frame: Frame, model: Model, at: Parameters) -> Fl
         none, none, np.zeros((1, 0)), np.zeros((1, 0)), none,
     )  # fmt: skip
     at = replace(at, gain=none, zero=np.zeros((1, 0)))
-    state = np.zeros((N, p))
-    for nearness, turns in _APPROACH:
+    state = np.zeros((N, p)) if start is None else start
+    for nearness, turns in _APPROACH if start is None else _APPROACH_ANEW:
         sight = partial(evidence, replace(sights, nearness=nearness), frame)
-        state = shapes(sight, model, nothing, at, state, turns).state
+        state = states(sight, model, nothing, at, state, turns)
     return state
 
 
@@ -161,11 +180,16 @@ def _borrowed(
 
 
 def _reference(
-    part: Part, shared: Shared, sensed: Sensed | None, sensors: RecordedSensors, cut: Fine
+    part: Part,
+    shared: Shared,
+    sensed: Sensed | None,
+    sensors: RecordedSensors,
+    cut: Fine,
+    start: Floats | None,
 ) -> Reference:
     recording, read = part.recording, part.read
     known = None if read is None else sensed
-    posterior = _posterior(part, shared, known, sensors)
+    posterior = _posterior(part, shared, known, sensors, start)
     return Reference(
         name=f"recording:{recording.file.file}",
         use=recording.file.use,
@@ -187,11 +211,16 @@ def _reference(
         sighting=Sighting(
             part.sights, part.frame, posterior.state, posterior.covariance, cut.coarse
         ),
+        learned=shared.learned,
     )
 
 
 def _posterior(
-    part: Part, shared: Shared, sensed: Sensed | None, sensors: RecordedSensors
+    part: Part,
+    shared: Shared,
+    sensed: Sensed | None,
+    sensors: RecordedSensors,
+    start: Floats | None,
 ) -> Posterior:
     """Shapes of all rows, by bodies and readings."""
     N, n = len(part.sights), len(sensors.names)
@@ -211,8 +240,9 @@ def _posterior(
         noise=np.where(usable, sensed.noise, 1.0),
     )
     at = replace(shared.found, gain=sensed.gain, zero=sensed.zero[None])
+    begin, turns = (part.state, _TURNS) if start is None else (start, _TURNS_ANEW)
     return shapes(
-        lambda x: evidence(part.sights, part.frame, x), shared.model, seen, at, part.state
+        lambda x: evidence(part.sights, part.frame, x), shared.model, seen, at, begin, turns
     )
 
 

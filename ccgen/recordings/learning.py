@@ -29,6 +29,8 @@ _SETTLED = 1e-7
 """Share of what a round gains below which a step ends it."""
 _FLAT = 1e-2
 """Slope by a parameter, in standard deviations of its prior, that counts as none."""
+_STEPS_ANEW, _FLAT_ANEW = 30, 0.1
+"""Steps at most, and slope in standard deviations of what rows tell, where most is known."""
 _FARTHEST = 6.0
 """Standard deviations of their priors within which parameters are sought."""
 _NOWHERE = 1e30
@@ -38,10 +40,8 @@ _NORMAL = 0.8310
 """Scale of Student's distribution that fits normal noise of standard deviation 1."""
 _NOISE_TURNS = 4
 """Times that trust and noise follow each other after each round."""
-_SETTLING = (4, 2, 2)
-"""Times that shapes and trust follow each other before each round."""
-_SHAPES = 3
-"""Times that shapes and trust follow each other under parameters that are known."""
+_SETTLING, _SETTLING_ANEW = (4, 2, 2), (2, 1)
+"""Times that shapes and trust follow each other before each round, and where most is known."""
 _PRIOR_ROWS = 2.0
 """Independent rows for which uncorrelated modes count in the second moment."""
 LEAST_NOISE = 1e-7
@@ -56,6 +56,7 @@ class Learned:
         model: how shapes come about.
         found: compliances, sizes, gains and zeros.
         spread: their standard deviations.
+        curvature: of what was minimised, by theta of `Likelihood`.
         noise: of each sensor, shape (n,), metres.
         posterior: shapes of the rows.
         trust: how far each reading was trusted, 0 to 1 and a little more; shape (N, n).
@@ -65,6 +66,7 @@ class Learned:
     model: Model
     found: Parameters
     spread: Parameters
+    curvature: Floats
     noise: Floats
     posterior: Posterior
     trust: Floats
@@ -85,7 +87,14 @@ class Learned:
         return np.asarray((1 - share) * mean + share * (T @ T.T))
 
 
-def learn(sight: Sight, model: Model, seen: Lengths, independent: float, start: Floats) -> Learned:
+def learn(
+    sight: Sight,
+    model: Model,
+    seen: Lengths,
+    independent: float,
+    start: Floats,
+    before: Learned | None = None,
+) -> Learned:
     """Find what the rows of recordings have in common.
 
     Args:
@@ -94,28 +103,36 @@ def learn(sight: Sight, model: Model, seen: Lengths, independent: float, start: 
         seen: the readings; of no sensor where there are none.
         independent: number of independent rows among them.
         start: states to begin with, shape (N, p).
+        before: what nearly the same rows told, to begin with; its curvature is kept.
     """
     share = min(1.0, independent / len(start))
-    noise, posterior = seen.noise, Posterior(start, np.zeros((*start.shape, start.shape[1])))
+    noise, state = seen.noise, start
     nothing = Likelihood(model, seen, sight(start), np.zeros_like(seen.length), share)
     theta = nothing.start()
-    for turns in _SETTLING:
+    if before is not None:
+        noise, theta = before.noise, nothing.theta(before.found)
+    for turns in _SETTLING if before is None else _SETTLING_ANEW:
         for _ in range(turns):
-            weight = _weight(seen, nothing.parameters(theta), posterior, noise)
-            likelihood = replace(nothing, evidence=sight(posterior.state), weight=weight)
-            posterior = likelihood.posterior(theta)
-        theta = _descended(likelihood, theta)
+            at = nothing.parameters(theta)
+            weight = _weight(seen, at, state, noise)
+            likelihood = replace(nothing, evidence=sight(state), weight=weight)
+            state = likelihood.states_at(at)
+        theta = _descended(likelihood, theta, None if before is None else before.curvature)
         posterior = likelihood.posterior(theta)
+        state = posterior.state
         for _ in range(_NOISE_TURNS):
             noise = _noise(seen, likelihood.parameters(theta), posterior, noise)
     found = likelihood.parameters(theta)
+    curvature = likelihood.curvature(theta) if before is None else before.curvature
+    deviation = np.sqrt(np.diag(np.linalg.inv(curvature)))
     return Learned(
         model=model,
         found=found,
-        spread=likelihood.spread(likelihood.deviation(theta)),
+        spread=likelihood.spread(np.asarray(deviation)),
+        curvature=curvature,
         noise=noise,
         posterior=posterior,
-        trust=_trust(seen, found, posterior, noise),
+        trust=_trust(seen, found, posterior.state, noise),
         independent=independent,
     )
 
@@ -126,7 +143,7 @@ def shapes(
     seen: Lengths,
     at: Parameters,
     start: Floats,
-    turns: int = _SHAPES,
+    turns: int,
 ) -> Posterior:
     """Most probable shapes of rows under what was learned of their joint.
 
@@ -138,15 +155,28 @@ def shapes(
         start: states to begin with, shape (N, p).
         turns: times that shapes and trust follow each other.
     """
-    posterior = Posterior(start, np.zeros((*start.shape, start.shape[1])))
+    state = states(sight, model, seen, at, start, turns - 1)
+    weight = _weight(seen, at, state, seen.noise)
+    return Likelihood(model, seen, sight(state), weight, 1.0).posterior_at(at)
+
+
+def states(
+    sight: Sight, model: Model, seen: Lengths, at: Parameters, start: Floats, turns: int
+) -> Floats:
+    """The means of such shapes alone, shape (N, p); arguments as of `shapes`."""
+    state = start
     for _ in range(turns):
-        weight = _weight(seen, at, posterior, seen.noise)
-        posterior = Likelihood(model, seen, sight(posterior.state), weight, 1.0).posterior_at(at)
-    return posterior
+        weight = _weight(seen, at, state, seen.noise)
+        state = Likelihood(model, seen, sight(state), weight, 1.0).states_at(at)
+    return state
 
 
-def _descended(likelihood: Likelihood, theta: Floats) -> Floats:
-    """Theta of the least value, from some theta on."""
+def _descended(likelihood: Likelihood, theta: Floats, curvature: Floats | None = None) -> Floats:
+    """Theta of the least value, from some theta on.
+
+    Args:
+        curvature: about its second derivative there, which makes steps few.
+    """
     from scipy.optimize import minimize
 
     # The value has a large constant, which the descent's tolerance must not be a share of.
@@ -159,8 +189,19 @@ def _descended(likelihood: Likelihood, theta: Floats) -> Floats:
             return _NOWHERE, at
         return value - start, gradient
 
-    bounds = [(-_FARTHEST, _FARTHEST)] * len(theta)
     options = {"maxiter": _STEPS, "ftol": _SETTLED, "gtol": _FLAT}
+    if curvature is not None:
+        scale = np.linalg.inv(np.linalg.cholesky(curvature)).T
+
+        def scaled(at: Floats) -> tuple[float, Floats]:
+            value, gradient = gained(theta + scale @ at)
+            return value, gradient @ scale
+
+        options |= {"maxiter": _STEPS_ANEW, "gtol": _FLAT_ANEW}
+        begin = np.zeros_like(theta)
+        moved = minimize(scaled, begin, jac=True, method="L-BFGS-B", options=options).x
+        return np.asarray(theta + scale @ moved)
+    bounds = [(-_FARTHEST, _FARTHEST)] * len(theta)
     found: Floats = minimize(
         gained, theta, jac=True, method="L-BFGS-B", bounds=bounds, options=options
     ).x
@@ -192,31 +233,29 @@ def independent_rows(signals: Floats) -> float:
     return float(count / (1.0 + 2.0 * correlation[1:until].sum()))
 
 
-def _residuals(seen: Lengths, at: Parameters, posterior: Posterior) -> tuple[Floats, Floats]:
-    """Readings less what the shapes let expect, and the variance of that by the shapes' own."""
-    expected = at.gain * (posterior.state @ seen.matrix.T) + at.zero[seen.group]
-    there = ~np.isnan(seen.length)
-    variance = np.einsum(
-        "ja,nab,jb->nj", seen.matrix, posterior.covariance, seen.matrix, optimize=True
-    )
-    return np.where(there, seen.length - expected, 0.0), np.square(at.gain) * variance
+def _residuals(seen: Lengths, at: Parameters, state: Floats) -> Floats:
+    """Readings less what the shapes let expect."""
+    expected = at.gain * (state @ seen.matrix.T) + at.zero[seen.group]
+    return np.where(~np.isnan(seen.length), seen.length - expected, 0.0)
 
 
-def _trust(seen: Lengths, at: Parameters, posterior: Posterior, noise: Floats) -> Floats:
-    residual, _ = _residuals(seen, at, posterior)
-    ratio = np.square(residual / noise)
+def _trust(seen: Lengths, at: Parameters, state: Floats, noise: Floats) -> Floats:
+    ratio = np.square(_residuals(seen, at, state) / noise)
     return np.asarray(~np.isnan(seen.length) * (_FREEDOM + 1.0) / (_FREEDOM + ratio))
 
 
-def _weight(seen: Lengths, at: Parameters, posterior: Posterior, noise: Floats) -> Floats:
+def _weight(seen: Lengths, at: Parameters, state: Floats, noise: Floats) -> Floats:
     """By which each reading's square counts: 1 over its variance, less far off."""
-    return np.asarray(_trust(seen, at, posterior, noise) / np.square(noise))
+    return np.asarray(_trust(seen, at, state, noise) / np.square(noise))
 
 
 def _noise(seen: Lengths, at: Parameters, posterior: Posterior, noise: Floats) -> Floats:
     """Standard deviation of each sensor's readings, outliers trusted less, shape (n,)."""
-    residual, variance = _residuals(seen, at, posterior)
+    residual = _residuals(seen, at, posterior.state)
+    variance = np.square(at.gain) * np.einsum(
+        "ja,nab,jb->nj", seen.matrix, posterior.covariance, seen.matrix, optimize=True
+    )
     there = np.maximum((~np.isnan(seen.length)).sum(axis=0), 1)
-    trust = _trust(seen, at, posterior, noise * _NORMAL)
+    trust = _trust(seen, at, posterior.state, noise * _NORMAL)
     mean = (trust * (np.square(residual) + variance)).sum(axis=0) / there
     return np.asarray(np.maximum(np.sqrt(mean) / _NORMAL, LEAST_NOISE))

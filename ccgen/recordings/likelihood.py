@@ -124,6 +124,13 @@ class Likelihood:
             self.seen.zero + moved.zero,
         )
 
+    def theta(self, at: Parameters) -> Floats:
+        """What `parameters` makes these of; what is certain beforehand stays where it is."""
+        zero = (at.zero - self.seen.zero).reshape(-1)
+        moved = np.concatenate([at.log_compliance, at.log_size, at.gain - self.seen.gain, zero])
+        std = self._prior_std
+        return np.asarray(np.divide(moved, std, out=np.zeros_like(moved), where=std > 0))
+
     def spread(self, theta: Floats) -> Parameters:
         """By how much theta differs from 0, or its standard deviations, in parameters."""
         ends = np.cumsum([len(self.model.compliance_std), self.model.sizes, len(self.seen.gain)])
@@ -172,11 +179,21 @@ class Likelihood:
 
     def posterior_at(self, at: Parameters) -> Posterior:
         """Shapes of all rows under parameters of one's own."""
+        T, A, c = self._system(at)
+        inverse = np.linalg.inv(A)
+        w = (inverse @ c[..., None])[..., 0]
+        return Posterior(w @ T.T, T @ inverse @ T.T)
+
+    def states_at(self, at: Parameters) -> Floats:
+        """Their means alone, which take less."""
+        T, A, c = self._system(at)
+        return np.asarray(np.linalg.solve(A, c[..., None])[..., 0] @ T.T)
+
+    def _system(self, at: Parameters) -> tuple[Floats, Floats, Floats]:
+        """T, A and c."""
         T = self.model.transform(at.log_compliance, at.log_size)
         information, potential, _ = self._known(at)
-        inverse = np.linalg.inv(np.eye(T.shape[1]) + T.T @ information @ T)
-        w = (inverse @ (potential @ T)[..., None])[..., 0]
-        return Posterior(w @ T.T, T @ inverse @ T.T)
+        return T, np.eye(T.shape[1]) + T.T @ information @ T, potential @ T
 
     def curvature(self, theta: Floats) -> Floats:
         """Second derivative by theta, by differences of the gradient, nowhere below the prior's."""
@@ -188,10 +205,6 @@ class Likelihood:
         whole = np.array(rows) / (2 * _STEP)
         values, vectors = np.linalg.eigh((whole + whole.T) / 2)
         return np.asarray((vectors * np.maximum(values, 1.0)) @ vectors.T)
-
-    def deviation(self, theta: Floats) -> Floats:
-        """Standard deviations of theta about its most probable value."""
-        return np.asarray(np.sqrt(np.diag(np.linalg.inv(self.curvature(theta)))))
 
     def _known(self, at: Parameters) -> tuple[Floats, Floats, Floats]:
         """Information and potential of references and readings, and the readings less zeros."""

@@ -81,6 +81,7 @@ class Shared:
         second_moment: of states with their twist, shape (p, p).
         compliance: of equal parts of the joint from its base, natural logarithms, and their
             standard deviations, shape (2, parts); None where it was not learned.
+        learned: where all this comes from; None where there was nothing to learn from.
     """
 
     model: Model
@@ -88,6 +89,7 @@ class Shared:
     calibration: Calibration | None
     second_moment: Floats
     compliance: Floats | None = None
+    learned: Learned | None = None
 
     @property
     def transform(self) -> Floats:
@@ -111,6 +113,7 @@ def pooled(
     model: Model,
     sensors: RecordedSensors,
     common: Calibration | None,
+    before: Learned | None = None,
 ) -> tuple[Shared, list[Part]]:
     """Learn what recordings share, and their frames where those were not certain.
 
@@ -120,6 +123,7 @@ def pooled(
         model: how shapes come about.
         sensors: those of the joint.
         common: what other recordings told of them.
+        before: what nearly the same rows told, to begin with.
     """
     if not parts:
         T = usual(model)
@@ -127,10 +131,10 @@ def pooled(
         nothing = Parameters(compliances, sizes, np.zeros(0), np.zeros((1, 0)))
         return Shared(model, nothing, None, T @ T.T), []
     own = list(parts)
-    shared = _shared(joint, own, model, sensors, common)
+    shared = _shared(joint, own, model, sensors, common, before)
     if any(not part.spread.certain for part in own):
         own = [_resettled(part, i, shared, sensors) for i, part in enumerate(own)]
-        shared = _shared(joint, own, model, sensors, common)
+        shared = _shared(joint, own, model, sensors, common, before)
     return shared, own
 
 
@@ -140,8 +144,9 @@ def _shared(
     model: Model,
     sensors: RecordedSensors,
     common: Calibration | None,
+    before: Learned | None,
 ) -> Shared:
-    learned = _learned(joint, parts, model, sensors, common)
+    learned = _learned(joint, parts, model, sensors, common, before)
     sections = joint.geometry.sections
     calibration = None
     if any(part.read is not None for part in parts):
@@ -153,12 +158,12 @@ def _shared(
     if len(sections) == 1:
         compliance = np.stack([learned.found.log_compliance, learned.spread.log_compliance])
         known = compliance if compliance.size else None
-        return Shared(model, learned.found, calibration, moment, known)
+        return Shared(model, learned.found, calibration, moment, known, learned)
     # Sections that happened to bend alike may bend otherwise in other rows.
     T = model.transform(learned.found.log_compliance, learned.found.log_size)
     free = fixed_model(sections_apart(T @ T.T, sections))
     found = replace(learned.found, log_compliance=np.zeros(0), log_size=np.zeros(0))
-    return Shared(free, found, calibration, moment)
+    return Shared(free, found, calibration, moment, learned=learned)
 
 
 def sections_apart(moment: Floats, sections: Sequence[int]) -> Floats:
@@ -182,6 +187,7 @@ def _learned(
     model: Model,
     sensors: RecordedSensors,
     common: Calibration | None,
+    before: Learned | None,
 ) -> Learned:
     bodies = max(len(part.sights.names) for part in parts)
     most = min(_ROWS, _SEEN // bodies) // len(parts)
@@ -201,7 +207,7 @@ def _learned(
 
     seen = _seen(joint, parts, chosen, sensors, common)
     start = np.concatenate([part.state[rows] for part, rows in zip(parts, chosen, strict=True)])
-    return learn(sight, model, seen, sum(part.independent for part in parts), start)
+    return learn(sight, model, seen, sum(part.independent for part in parts), start, before)
 
 
 def _some(part: Part, most: int) -> Indices:

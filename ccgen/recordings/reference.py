@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ccgen.recordings.learning import Learned
 from ccgen.recordings.recording import Recording
 from ccgen.recordings.stations import Sighting, StationErrors
 
@@ -41,6 +42,8 @@ class Reference:
         sighting: bodies in the joint's frame, for `stations`; None where dense.
         compliance: of equal parts of the joint from its base, natural logarithms, and their
             standard deviations, shape (2, parts); None where it was not learned.
+        learned: what all recordings with bodies tell, from which it is learned again without some
+            rows; None where dense.
     """
 
     name: str
@@ -61,6 +64,7 @@ class Reference:
     notes: tuple[str, ...] = ()
     sighting: Sighting | None = None
     compliance: Floats | None = None
+    learned: Learned | None = None
 
     def stations(self, estimate: Floats) -> dict[str, StationErrors]:
         """Errors of an estimate at the stations of bodies, by name; none where it is dense.

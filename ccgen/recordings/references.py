@@ -1,7 +1,8 @@
 """Recordings turned into reference shapes: angles are the shape, bodies and markers tell of it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,10 +20,16 @@ if TYPE_CHECKING:
     from ccgen.joint import Joint
 
 Floats = NDArray[np.float64]
+_Kind = Callable[
+    ["Joint", Sequence[Recording], int | None, Calibration | None], tuple[Reference, ...]
+]
 
 
 def references(
-    joint: "Joint", recordings: Sequence[Recording], without_block: int | None = None
+    joint: "Joint",
+    recordings: Sequence[Recording],
+    without_block: int | None = None,
+    whole: Sequence[Reference] = (),
 ) -> tuple[Reference, ...]:
     """Turn recordings into reference shapes, and learn of their sensors.
 
@@ -34,6 +41,8 @@ def references(
         recordings: as `ccgen.recordings.reading.read_recordings` returns them.
         without_block: 0 to 4; nothing is learned from these rows of recordings to fit to: no gain,
             zero, delay or second moment. Their states and lengths come out all the same.
+        whole: the references without anything left out; what is found anew without a block is
+            sought from there on.
 
     Returns:
         A reference for each recording, in their order.
@@ -44,7 +53,11 @@ def references(
     known = [_with_shape(joint, recording) for recording in recordings]
     dense = [i for i, recording in enumerate(known) if recording.dense]
     bodies = [i for i, recording in enumerate(known) if not recording.dense]
-    kinds = [(dense, dense_references), (bodies, body_references)]
+    begin = [whole[i] for i in bodies] if whole else []
+    kinds: list[tuple[list[int], _Kind]] = [
+        (dense, dense_references),
+        (bodies, partial(body_references, whole=begin)),
+    ]
     if not any(known[i].file.use == "fit" and known[i].counts is not None for i in dense):
         kinds.reverse()
     common: Calibration | None = None
