@@ -48,7 +48,7 @@ def export(
 
     targets = _countable_targets() if cost else []
     table_is_lost = not cost and has_table(output)
-    with progress_bars() as report:
+    with progress_bars(lines=True) as report:
         done = write(joint_file, output, report)
     for text in done.notes:
         note(text)

@@ -45,9 +45,9 @@ def fit(
     Example:
       ccgen fit shoulder.toml --method equal --plot shapes.svg
     """
-    from ccgen.estimation.held_out import in_silence
     from ccgen.fixedpoint import fit as fitted_to
     from ccgen.joint.file import load
+    from ccgen.recordings.progress import in_silence
 
     if write and method is not None:
         raise ArgumentError(
@@ -55,7 +55,7 @@ def fit(
             "method",
         )
     joint = load(joint_file)
-    with progress_bars() if joint.recordings else nullcontext(in_silence) as report:
+    with progress_bars(lines=True) if joint.recordings else nullcontext(in_silence) as report:
         fitted = fitted_to(joint, method, report=report)
         if write:
             fitted = _kept(fitted)

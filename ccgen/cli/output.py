@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -121,17 +122,39 @@ def progress() -> "Console":
     return Console(stderr=True, highlight=False, markup=False, emoji=False)
 
 
+_SILENCE = 5.0
+"""Seconds between lines of progress."""
+
+
 @contextmanager
-def progress_bars() -> "Iterator[Progress]":
+def progress_bars(lines: bool = False) -> "Iterator[Progress]":
     """One bar on stderr for each thing that is being done, with its remaining time.
 
     Nothing is imported or shown before something is told.
+
+    Args:
+        lines: whether to say now and then how far things are where no terminal shows bars.
     """
+    if lines and not sys.stderr.isatty():
+        yield _progress_lines()
+        return
     shown = _Bars()
     try:
         yield shown.report
     finally:
         shown.stop()
+
+
+def _progress_lines() -> "Progress":
+    said = time.monotonic()
+
+    def report(what: str, done: int, total: int) -> None:
+        nonlocal said
+        if time.monotonic() >= said + _SILENCE:
+            note(f"{what}: {done} of {total}")
+            said = time.monotonic()
+
+    return report
 
 
 class _Bars:

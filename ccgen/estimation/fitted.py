@@ -17,11 +17,12 @@ from ccgen.estimation.errors import (
 )
 from ccgen.estimation.fallback import fallback
 from ccgen.estimation.fit import Task
-from ccgen.estimation.held_out import Block, Choice, RecordedFit, Report, in_silence
+from ccgen.estimation.held_out import Block, Choice, RecordedFit
 from ccgen.estimation.recorded import Recorded
 from ccgen.estimation.sources import CASES, LOADS, OTHER, RECORDING, Source, within_axes
 from ccgen.estimation.weights import Weights
 from ccgen.joint import METHODS
+from ccgen.recordings.progress import Report, in_silence
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint

@@ -19,6 +19,7 @@ from ccgen.estimation.fit import Task, fit_task
 from ccgen.estimation.recorded import BLOCKS, Recorded, recorded
 from ccgen.estimation.sources import RECORDING, Source, ideal_readings
 from ccgen.estimation.weights import Floats, Weights
+from ccgen.recordings.progress import Report
 from ccgen.sensing.readings import normalised_response
 
 if TYPE_CHECKING:
@@ -26,16 +27,9 @@ if TYPE_CHECKING:
     from ccgen.recordings.recording import Recording
     from ccgen.recordings.reference import Reference
 
-Report = Callable[[str, int, int], None]
-"""Told what is being done, how many steps of it are done, and how many there are."""
-
 Flags = NDArray[np.bool_]
 AxisWeights = Mapping[str, Weights]
 """Weights by output axis."""
-
-
-def in_silence(what: str, done: int, total: int) -> None:
-    """Tell nobody of progress."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ccgen.errors import InputError
 from ccgen.estimation.sources import Source, source_weights, within_axes
 from ccgen.estimation.weights import Floats
+from ccgen.recordings.progress import Report, in_silence
 from ccgen.sensing.readings import normaliser
 from ccgen.shapes import Shapes
 
@@ -163,6 +164,7 @@ def recorded(
     recordings: Sequence["Recording"],
     without: int | None = None,
     whole: Recorded | None = None,
+    report: Report = in_silence,
 ) -> Recorded:
     """References of recordings.
 
@@ -171,6 +173,7 @@ def recorded(
         recordings: its recordings, read.
         without: number of a block from whose rows nothing is learned.
         whole: what was found with nothing left out, to begin with.
+        report: told of the progress.
 
     Raises:
         InputError: a recording that does not tell shapes.
@@ -178,7 +181,7 @@ def recorded(
     from ccgen.recordings.references import references
 
     begin = () if whole is None else whole.references
-    return Recorded(joint, references(joint, recordings, without, begin))
+    return Recorded(joint, references(joint, recordings, without, begin, report))
 
 
 def _known(values: Floats | None) -> Floats:

@@ -8,7 +8,6 @@ from typing import Any
 from ccgen import resources
 from ccgen.can.layout import FrameLayout, layout_for
 from ccgen.errors import ArgumentError, InputError
-from ccgen.estimation.held_out import Report, in_silence
 from ccgen.estimation.sources import CASES, LOADS, RECORDING
 from ccgen.export import context
 from ccgen.export.arrangement import arrangement_context
@@ -23,6 +22,7 @@ from ccgen.fixedpoint.kept import Kept, inputs_of, kept_fit
 from ccgen.joint import Joint
 from ccgen.joint.file import load, parse_joint
 from ccgen.outputs import new_folder
+from ccgen.recordings.progress import Report, in_silence
 
 JOINT_FILES = {
     "src/{name}.h": "model.h.j2",

@@ -16,7 +16,6 @@ from ccgen.estimation.advice import advice
 from ccgen.estimation.estimate import Estimate, estimate
 from ccgen.estimation.fit import Task, fit_task
 from ccgen.estimation.fitted import FittedWeights
-from ccgen.estimation.held_out import Report, in_silence
 from ccgen.estimation.recorded import recorded
 from ccgen.estimation.sources import Source, simulated_sources, still_axes
 from ccgen.fixedpoint.advice import fixed_point_advice
@@ -30,6 +29,7 @@ from ccgen.fixedpoint.ranges import count_gains
 from ccgen.fixedpoint.serving import ServedAxis, quantise_with_fallbacks
 from ccgen.joint import AXES, Joint, Sensor
 from ccgen.joint.units import unit_doubts
+from ccgen.recordings.progress import Report, in_silence
 from ccgen.sensing.counts import counts_of, nominal_zero
 from ccgen.sensing.noise import second_moment, told_noise
 from ccgen.shapes import Shapes, bent_alike, joined
@@ -273,8 +273,8 @@ def _fit_recorded(joint: Joint, method: str, report: Report) -> Fit:
 
     report("recordings", 0, len(joint.recordings))
     recordings = read_recordings(joint)
-    found = recorded(joint, recordings)
     report("recordings", len(recordings), len(recordings))
+    found = recorded(joint, recordings, report=report)
     simulated = simulated_sources(joint, bool(found.shaped))
     sources = [*simulated, *found.sources()]
     _check_moved(joint, sources, False)

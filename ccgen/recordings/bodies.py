@@ -22,6 +22,7 @@ from ccgen.recordings.lengths import expected_changes, read_lengths
 from ccgen.recordings.likelihood import Lengths, Parameters, Posterior
 from ccgen.recordings.modes import Model, joint_model
 from ccgen.recordings.pooled import Part, Shared, pooled, usual, with_twist
+from ccgen.recordings.progress import Report, in_silence
 from ccgen.recordings.recording import Recording
 from ccgen.recordings.reference import Reference, learned_rows
 from ccgen.recordings.refined import refined, unstated
@@ -52,12 +53,14 @@ def body_references(
     without_block: int | None,
     common: Calibration | None = None,
     whole: Sequence[Reference] = (),
+    report: Report = in_silence,
 ) -> tuple[Reference, ...]:
     """References of recordings with bodies; arguments as of `references`.
 
     Args:
         common: what other recordings of the joint told of its sensors.
         whole: the references without anything left out, in the order of the recordings.
+        report: told of the progress.
     """
     cut = fine(joint.geometry)
     sensors = recorded_sensors(joint)
@@ -65,16 +68,20 @@ def body_references(
     model = joint_model(cut.geometry, joint.loads, _rough(recordings))
     starts = [_states(one) for one in whole] or [None] * len(recordings)
     telling: dict[int, Part] = {}
+    steps = 2 * len(recordings) + 1
     for i, recording in enumerate(recordings):
+        report("shapes of bodies", i, steps)
         if recording.file.use == "fit":
             telling[i] = _part(
                 cut.geometry, recording, model, sensors, without_block, start=starts[i]
             )
+    report("shapes of bodies", len(recordings), steps)
     before = next((one.learned for one in whole if one.learned is not None), None)
     shared, settled = pooled(joint, list(telling.values()), model, sensors, common, before)
     telling = dict(zip(telling, settled, strict=True))
     made = []
     for i, recording in enumerate(recordings):
+        report("shapes of bodies", len(recordings) + 1 + i, steps)
         if i in telling:
             group = list(telling).index(i)
             sensed = None if shared.calibration is None else shared.calibration.of(group)
@@ -83,6 +90,7 @@ def body_references(
             part = _part(cut.geometry, recording, model, sensors, None, settled, starts[i])
             sensed = _borrowed(part, shared, common, sensors)
             made.append(_reference(part, shared, sensed, sensors, cut, starts[i]))
+    report("shapes of bodies", steps, steps)
     return tuple(made)
 
 

@@ -13,6 +13,7 @@ from ccgen.recordings.bodies import body_references
 from ccgen.recordings.dense import dense_references
 from ccgen.recordings.gains import Calibration
 from ccgen.recordings.movement import check_resting_sensors
+from ccgen.recordings.progress import Report, in_silence
 from ccgen.recordings.recording import Recording
 from ccgen.recordings.reference import Reference
 
@@ -30,6 +31,7 @@ def references(
     recordings: Sequence[Recording],
     without_block: int | None = None,
     whole: Sequence[Reference] = (),
+    report: Report = in_silence,
 ) -> tuple[Reference, ...]:
     """Turn recordings into reference shapes, and learn of their sensors.
 
@@ -43,6 +45,7 @@ def references(
             zero, delay or second moment. Their states and lengths come out all the same.
         whole: the references without anything left out; what is found anew without a block is
             sought from there on.
+        report: told of the progress.
 
     Returns:
         A reference for each recording, in their order.
@@ -56,7 +59,7 @@ def references(
     begin = [whole[i] for i in bodies] if whole else []
     kinds: list[tuple[list[int], _Kind]] = [
         (dense, dense_references),
-        (bodies, partial(body_references, whole=begin)),
+        (bodies, partial(body_references, whole=begin, report=report)),
     ]
     if not any(known[i].file.use == "fit" and known[i].counts is not None for i in dense):
         kinds.reverse()
