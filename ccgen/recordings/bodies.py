@@ -43,6 +43,8 @@ _TURNS, _TURNS_ANEW = 3, 1
 """How often shapes by bodies and readings are sought anew."""
 _MANY = 8
 """Bodies that tell how smooth a shape is."""
+_ROWS = 250
+"""Whose shapes are sought at once."""
 _FRAME_ROWS = 400
 """From which a frame is found."""
 
@@ -161,16 +163,24 @@ def _by_bodies(
     """Most probable states by the bodies alone, twist included, shape (N, p)."""
     N, p = len(sights), len(model.basis)
     none = np.zeros(0)
-    nothing = Lengths(
-        np.zeros((N, 0)), np.zeros((0, p)), np.zeros(N, dtype=np.intp),
-        none, none, np.zeros((1, 0)), np.zeros((1, 0)), none,
-    )  # fmt: skip
     at = replace(at, gain=none, zero=np.zeros((1, 0)))
-    state = np.zeros((N, p)) if start is None else start
-    for nearness, turns in _APPROACH if start is None else _APPROACH_ANEW:
-        sight = partial(evidence, replace(sights, nearness=nearness), frame)
-        state = states(sight, model, nothing, at, state, turns)
+    state = np.zeros((N, p)) if start is None else start.copy()
+    for rows in _pieces(N):
+        some, own = sights.rows(rows), state[rows]
+        nothing = Lengths(
+            np.zeros((len(some), 0)), np.zeros((0, p)), np.zeros(len(some), dtype=np.intp),
+            none, none, np.zeros((1, 0)), np.zeros((1, 0)), none,
+        )  # fmt: skip
+        for nearness, turns in _APPROACH if start is None else _APPROACH_ANEW:
+            sight = partial(evidence, replace(some, nearness=nearness), frame)
+            own = states(sight, model, nothing, at, own, turns)
+        state[rows] = own
     return state
+
+
+def _pieces(rows: int) -> list[slice]:
+    """Some rows at a time: their matrices take much room."""
+    return [slice(i, i + _ROWS) for i in range(0, rows, _ROWS)]
 
 
 def _borrowed(
@@ -231,26 +241,31 @@ def _posterior(
     start: Floats | None,
 ) -> Posterior:
     """Shapes of all rows, by bodies and readings."""
-    N, n = len(part.sights), len(sensors.names)
+    n = len(sensors.names)
     if sensed is None:
         none = np.zeros(n)
         sensed = Sensed(none, none, none, none, np.ones(n))
     usable = np.isfinite(sensed.noise)
     lengths = np.where(usable, part.lengths(n), np.nan)
-    seen = Lengths(
-        length=lengths,
-        matrix=with_twist(sensors.matrix),
-        group=np.zeros(N, dtype=np.intp),
-        gain=sensed.gain,
-        gain_std=sensed.gain_std,
-        zero=sensed.zero[None],
-        zero_std=sensed.zero_std[None],
-        noise=np.where(usable, sensed.noise, 1.0),
-    )
     at = replace(shared.found, gain=sensed.gain, zero=sensed.zero[None])
     begin, turns = (part.state, _TURNS) if start is None else (start, _TURNS_ANEW)
-    return shapes(
-        lambda x: evidence(part.sights, part.frame, x), shared.model, seen, at, begin, turns
+    found = []
+    for rows in _pieces(len(part.sights)):
+        seen = Lengths(
+            length=lengths[rows],
+            matrix=with_twist(sensors.matrix),
+            group=np.zeros(len(lengths[rows]), dtype=np.intp),
+            gain=sensed.gain,
+            gain_std=sensed.gain_std,
+            zero=sensed.zero[None],
+            zero_std=sensed.zero_std[None],
+            noise=np.where(usable, sensed.noise, 1.0),
+        )
+        sight = partial(evidence, part.sights.rows(rows), part.frame)
+        found.append(shapes(sight, shared.model, seen, at, begin[rows], turns))
+    return Posterior(
+        np.concatenate([some.state for some in found]),
+        np.concatenate([some.covariance for some in found]),
     )
 
 
