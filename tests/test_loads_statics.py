@@ -274,3 +274,19 @@ def test_loads_are_scaled_back_to_the_limit_and_no_further():
     assert v[1].max() <= limit[1]
     scaled = bend(tip_force=tuple(raised.factor[1] * forces[:, 1]))[1]
     np.testing.assert_allclose(v[1], scaled, rtol=1e-3)
+
+
+def test_a_limit_is_met_in_a_few_steps_of_newton():
+    forces = np.array([[2.0, 5.0, 8.0], [0.0, 1.0, 0.0], [0.5, 0.0, -1.0]])
+    mesh = meshes.cut(12, 24, 1.0, np.ones((1, 3)))
+    steps = []
+
+    def counted(angles, *others):
+        steps.append(angles.shape[-1])
+        return spatial.newton(angles, *others)
+
+    limit = Limit(mesh.starts, np.full(3, np.radians(1.0)))
+    loads = meshes.at_tip(mesh, forces)
+    raised = raise_loads(mesh.rods, meshes.no_loads(mesh), loads, limit, mesh.straight, counted)
+    assert raised.outcome.tolist() == [LIMITED] * 3
+    assert sum(steps) <= 4 * 3

@@ -93,6 +93,31 @@ def test_few_markers_and_counts_tell_where_the_joint_is_stiff():
     assert np.degrees(np.sqrt(np.mean(states[:, : 2 * M] ** 2))) > 2
 
 
+def test_most_of_the_rows_tell_from_all_of_them_on_what_they_tell_from_nothing(monkeypatch):
+    states = bent()
+    rest = states[48:]
+    sight, seen = markers(rest, 2e-4), lengths(rest)
+    whole = learn(markers(states, 2e-4), model(), lengths(states), 240, np.zeros_like(states))
+    taken = []
+    value = Likelihood.value_and_gradient
+
+    def counted(self, theta):
+        taken.append(theta)
+        return value(self, theta)
+
+    monkeypatch.setattr(Likelihood, "value_and_gradient", counted)
+    anew = learn(sight, model(), seen, 192, np.zeros_like(rest))
+    cold = len(taken)
+    begun = learn(sight, model(), seen, 192, np.zeros_like(rest), before=whole)
+    assert len(taken) - cold < cold / 4
+    for name in ("gain", "zero", "log_compliance"):
+        one, other = getattr(begun.found, name), getattr(anew.found, name)
+        assert np.abs((one - other) / getattr(anew.spread, name)).max() < 0.5
+    np.testing.assert_allclose(begun.noise, anew.noise, rtol=0.1)
+    apart = begun.posterior.state - anew.posterior.state
+    assert np.degrees(np.sqrt(np.mean(np.square(apart)))) < 0.05
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_gains_and_zeros_lie_within_what_is_told_of_them(seed):
     states = bent(seed=seed)

@@ -193,7 +193,9 @@ class _Walk:
         self.outcome[samples[full]] = np.where(inside[full], REACHED, OUTSIDE)
         met = self._aimed[samples] & inside & (bend >= largest * (1 - 2 * _MARGIN))
         self.outcome[samples[met]] = LIMITED
-        aim = np.where(inside & (rate <= 0), np.inf, (largest * (1 - _MARGIN) - bend) / rate)
+        target = largest * (1 - _MARGIN)
+        ahead = _until(angles, tangent, self._limit.starts, target)
+        aim = np.where(inside, ahead, (target - bend) / rate)
         self._set_out(samples, angles, tangent, aim)
 
     def _keep(self, samples: Index, angles: Array, tangent: Array, inside: Flags) -> None:
@@ -236,6 +238,14 @@ def _largest_turn(angles: Array) -> Array:
     """How far the elements' ends turn at most, to first order, shape (N,), radians."""
     turns = np.cumsum(angles, axis=0)
     return np.asarray(np.sqrt((turns * turns).sum(axis=1).max(axis=0)))
+
+
+def _until(angles: Array, tangent: Array, starts: Index, largest: Array) -> Array:
+    """How far it is until the first of the segments' angles is as large as may be, shape (N,)."""
+    segments = np.add.reduceat(angles, starts, axis=0)
+    rates = np.add.reduceat(tangent, starts, axis=0)
+    ahead = (largest - np.sign(rates) * segments) / np.abs(rates)
+    return np.asarray(ahead.min(axis=(0, 1)))
 
 
 def _bend(angles: Array, tangent: Array, starts: Index) -> tuple[Array, Array]:
