@@ -14,7 +14,9 @@ from ccgen.fixedpoint import Fit
 from ccgen.targets.compiler import LEVEL
 from ccgen.targets.exported import Exported, open_exported
 from ccgen.targets.host import compile_shared
+from ccgen.targets.inputs import bus_counts
 from ccgen.targets.library import JointLibrary
+from ccgen.verify.compare import pose_positions
 from ccgen.verify.emulated import verify_core
 from ccgen.verify.host import verify_host
 from ccgen.verify.plan import Plan, silent
@@ -94,6 +96,18 @@ def raw() -> str:
     return text.replace("[sensors.transducer]", sets)
 
 
+def stretched() -> str:
+    """Three strings whose counts reach far beyond the shapes, of a joint just below 0.25 m."""
+    text = HEAD.format(
+        name="stretched", rom=5.0, geometry="elongation = [0.0, 0.04]", precision=16,
+        transducer="bits = 16\nmetres_per_count = 2.4e-5\nrange = [-32767, 32767]",
+    )  # fmt: skip
+    return text + "".join(
+        SENSOR.format(name=f"s{k}", span="span = [0, 11]", angle=120.0 * k, radius=0.03, more="")
+        for k in range(3)
+    )
+
+
 def sixteen() -> str:
     """As many sensors as a joint may have, all of them over the whole joint."""
     text = HEAD.format(
@@ -119,6 +133,7 @@ JOINTS = {
     "planar": planar(),
     "raw": raw(),
     "sixteen": sixteen(),
+    "stretched": stretched(),
 }
 
 
@@ -147,6 +162,16 @@ def test_every_value_equals_the_model_over_every_transport(exports, name):
         assert run.compared_values >= 60 * exported.model.values
         assert 0.0 < run.pose_max_error_m <= run.pose_bound_m
     assert runs[0].compared_values >= 30_000
+
+
+def test_a_tip_beyond_its_frame_is_compared_where_it_saturates(exports):
+    _, exported = exports("stretched")
+    counts = bus_counts(exported, 300, 0)
+    far = pose_positions(exported, exported.model.estimate(counts))
+    assert np.abs(far).max() * 2**exported.layout.tip_fraction_bits > 2**15
+    for run in verify_host(exported, Plan(snapshots=300, values=1_000), silent, LEVEL):
+        assert run.mismatches == 0
+        assert run.pose_max_error_m <= run.pose_bound_m, run.transport
 
 
 @pytest.mark.parametrize(("name", "core"), [("nine, 16 bits", "cortex-m4"), ("raw", "cortex-m0")])

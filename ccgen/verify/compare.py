@@ -15,6 +15,8 @@ Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 _BLOCK = 4096
+_TIP_LIMIT = 2**15 - 1
+"""Steps of a coordinate at which TIP saturates."""
 
 
 def compare_exchange(
@@ -72,6 +74,12 @@ def states_of(exported: Exported, values: Integers) -> tuple[Floats, Floats, Flo
 
 
 def tip_positions(exported: Exported, values: Integers) -> Floats:
+    """Tip positions, metres, held by the TIP frame's format; values of all axes to (k, 3)."""
+    most = _TIP_LIMIT * 2.0**-exported.layout.tip_fraction_bits
+    return np.clip(pose_positions(exported, values), -most, most)
+
+
+def pose_positions(exported: Exported, values: Integers) -> Floats:
     """Tip positions in double precision, metres; integer values of all axes to (k, 3)."""
     positions = [np.zeros((0, 3))]
     for first in range(0, len(values), _BLOCK):

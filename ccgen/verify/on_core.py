@@ -22,7 +22,7 @@ from ccgen.targets.cores import core_named, require_tools
 from ccgen.targets.emulator import run_to_end
 from ccgen.targets.exported import Exported
 from ccgen.targets.firmware import compile_firmware
-from ccgen.verify.compare import tip_positions
+from ccgen.verify.compare import pose_positions
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 
@@ -135,7 +135,7 @@ def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed)
     compared, mismatches = printed.vectors
     distance = np.linalg.norm(
         np.array(printed.tips, dtype=np.float64).reshape(-1, 3)
-        - tip_positions(exported, pose_angles(exported, plan.seed)),
+        - pose_positions(exported, pose_angles(exported, plan.seed)),
         axis=-1,
     )
     return Run(
