@@ -548,6 +548,24 @@ def test_without_mcap_the_package_is_named(classic, tmp_path, monkeypatch, capsy
     assert not (tmp_path / "run.mcap").exists()
 
 
+def test_a_reader_that_closes_its_pipe_ends_the_watch(classic, tmp_path):
+    """The log is read at its own times, for longer than a test waits."""
+    log, plan = tmp_path / "run.blf", classic.plan(int(3 * PATIENCE * 1e6 / CYCLE))
+    with frame_log(log) as take:
+        for now, message in plan:
+            message.timestamp = START + 1e-6 * now
+            take(message)
+    words = ["monitor", classic.directory, "--source", log, "--speed", "1", "--json"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "ccgen", *map(str, words)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    assert json.loads(process.stdout.readline())["counter"] == FIRST
+    process.stdout.close()
+    assert process.wait(PATIENCE) == 0
+    assert process.stderr.read() == b""
+
+
 def test_the_live_table_shows_the_snapshot_and_every_frame(classic):
     from rich.console import Console
 

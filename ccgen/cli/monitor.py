@@ -13,6 +13,7 @@ from ccgen.cli.choices import Speed
 from ccgen.cli.folders import opened
 from ccgen.cli.logged import open_log
 from ccgen.cli.output import print_json
+from ccgen.cli.terminal import nobody_listens
 from ccgen.errors import BusError, CheckError, InputError
 
 if TYPE_CHECKING:
@@ -170,6 +171,8 @@ def _follow(
             if message is None or now - flushed > _FLUSH_SECONDS:
                 flushed = now
                 sys.stdout.flush()
+                if nobody_listens():
+                    return
                 show()
     except InputError as error:
         said = str(error)

@@ -51,6 +51,11 @@ class _Output(io.FileIO):
         self._name, self._silent = name, silent
         self._gone = False
 
+    @property
+    def gone(self) -> bool:
+        """Whether nobody takes what is written any more."""
+        return self._gone
+
     def write(self, data: Any) -> int:
         """Write; see the class.
 
@@ -66,6 +71,12 @@ class _Output(io.FileIO):
             if not self._silent and not isinstance(error, BrokenPipeError):
                 raise OSError(error.errno, error.strerror, self._name) from error
             return memoryview(data).nbytes
+
+
+def nobody_listens() -> bool:
+    """Whether the reader of the standard output has closed it: what has no end by itself ends."""
+    raw = getattr(getattr(sys.stdout, "buffer", None), "raw", None)
+    return isinstance(raw, _Output) and raw.gone
 
 
 class Terminal:
