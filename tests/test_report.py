@@ -14,6 +14,7 @@ from joint_files import joint_text
 
 import ccgen
 from ccgen.cli.main import main
+from ccgen.cost.readme import TITLES
 from ccgen.report import tables
 from ccgen.report.page import page
 from ccgen.targets.exported import open_exported
@@ -102,7 +103,7 @@ def test_the_same_fit_gives_the_same_bytes(fit, html):
 
 
 def test_every_picture_is_drawn_as_vectors(html):
-    assert html.count("<svg") == 6
+    assert html.count("<svg") == 7
     assert "nan" not in re.findall(r' d="([^"]*)"', html)
 
 
@@ -163,7 +164,7 @@ def test_a_planar_arm_that_elongates_is_reported(tmp_path):
     fit = ccgen.fit(ccgen.parse(text + STRINGS + LOADS))
     html = page(fit).decode()
     assert {"s0", "s1", "s2", "s3", "v", "h"} <= set(rows(html))
-    assert html.count("<svg") == 6
+    assert html.count("<svg") == 7
     assert "elongation RMS %" in rows(html)["shapes"]
 
 
@@ -176,11 +177,21 @@ def test_other_examples_are_reported(name, tmp_path, capsys):
     assert capsys.readouterr().err == f"ccgen: wrote {tmp_path}/page.html\n"
 
 
+def test_costs_are_told_where_they_are_asked_for(tmp_path, monkeypatch):
+    monkeypatch.setattr("ccgen.cost.costs.COUNTED", ("cortex-m0",))
+    output = tmp_path / "page.html"
+    assert run("report", EXAMPLES / "shoulder.toml", "--cost", "-o", output) == 0
+    told = rows(output.read_text())
+    assert told["target"] == list(TITLES[1:])
+    assert len(told["cortex-m0"]) == len(TITLES) - 1
+    assert all(cell.replace(",", "").isdigit() for cell in told["cortex-m0"])
+
+
 def test_without_noise_the_page_asks_for_it():
     fit = ccgen.fit(ccgen.parse(joint_text()))
     html = page(fit).decode()
     assert "states no noise of its sensors" in html
-    assert html.count("<svg") == 5
+    assert html.count("<svg") == 6
 
 
 def test_numbers_that_are_not_known_are_dashes():
@@ -229,7 +240,7 @@ def test_a_long_name_of_a_recording_scrolls_nothing(tmp_path):
 @pytest.mark.parametrize("dark", [False, True])
 def test_a_browser_shows_it_without_scrolling_sideways(html, tmp_path, width, dark):
     seen = shown(html, tmp_path, width, dark)
-    assert len(seen["pictures"]) == 6
+    assert len(seen["pictures"]) == 7
     assert all(300 < picture <= width for picture in seen["pictures"])
     assert seen["wanted"] <= width
     assert seen["paper"] == ("rgb(22, 22, 22)" if dark else "rgb(255, 255, 255)")

@@ -18,6 +18,12 @@ def report(
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="FILE", help="The page to write.")
     ] = Path("report.html"),
+    cost: Annotated[
+        bool,
+        typer.Option(
+            "--cost", help="Measure flash, RAM, stack and instructions on each core, too."
+        ),
+    ] = False,
 ) -> None:
     """Write one self-contained page about a joint: sensors, weights, errors, budgets.
 
@@ -29,4 +35,4 @@ def report(
     """
     from ccgen.report.page import report as written
 
-    note(f"wrote {written(path, output)}")
+    note(f"wrote {written(path, output, cost)}")

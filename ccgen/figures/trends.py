@@ -71,7 +71,8 @@ def noise_figure(fit: FittedWeights) -> "Figure | None":
     for axis, colour in zip(bending, ("#0072B2", "#D55E00"), strict=False):
         known, spread = (np.mean(np.square(x)) for x in (found.known(axis), found.spread(axis)))
         rms = np.degrees(np.sqrt(known + np.square(_FACTORS) * spread))
-        axes.plot(_FACTORS, rms, color=colour, label=axis)
+        line = {"u": "-", "v": "--"}[axis]  # curves of like axes lie on each other
+        axes.plot(_FACTORS, rms, color=colour, linestyle=line, label=axis)
         stated = float(np.degrees(np.sqrt(known + spread)))
         axes.plot([1.0], [stated], "D", color=colour)
     axes.set(

@@ -14,11 +14,13 @@ if TYPE_CHECKING:
 
 
 class _Report(ModuleType):
-    def __call__(self, subject: "Fit | Joint | str | Path", output: str | Path) -> Path:
+    def __call__(
+        self, subject: "Fit | Joint | str | Path", output: str | Path, cost: bool = False
+    ) -> Path:
         """As `ccgen.report.page.report`."""
         from ccgen.report.page import report
 
-        return report(subject, output)
+        return report(subject, output, cost)
 
 
 sys.modules[__name__].__class__ = _Report

@@ -2,6 +2,7 @@
 
 from hashlib import sha256
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from ccgen import __version__, resources
@@ -11,6 +12,7 @@ from ccgen.figures.matrix import matrix_figure
 from ccgen.figures.strings import strings_figure, unrolled_figure
 from ccgen.figures.style import figure_svg
 from ccgen.figures.trends import noise_figure, sensors_figure
+from ccgen.figures.worst import worst_figure
 from ccgen.fixedpoint import Fit
 from ccgen.fixedpoint import fit as fitted_to
 from ccgen.joint import Joint
@@ -22,28 +24,31 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def report(subject: Fit | Joint | str | Path, output: str | Path) -> Path:
+def report(subject: Fit | Joint | str | Path, output: str | Path, cost: bool = False) -> Path:
     """Write the page of a joint.
 
     Args:
         subject: a fit, a joint, the path of its file, or of a folder that was exported from it.
         output: the file to write.
+        cost: whether it tells what the firmware costs on each core whose tools are installed.
 
     Raises:
         InputError: the joint cannot be fitted, or a folder that was changed since it was exported.
+        ToolError: nothing that measures costs is installed.
     """
     fit, notes = _fitted(subject)
     path = Path(output)
-    write_file(path, page(fit, notes))
+    write_file(path, page(fit, notes, _costs(fit) if cost else None))
     return path
 
 
-def page(fit: Fit, notes: dict[str, str] | None = None) -> bytes:
+def page(fit: Fit, notes: dict[str, str] | None = None, costs: tables.Table | None = None) -> bytes:
     """The page as HTML; the same fit gives the same bytes.
 
     Args:
         fit: of the joint.
         notes: more to say of where it comes from, by title.
+        costs: of its firmware, a row a core.
     """
     html = resources.template("joint_report.html.j2").render(
         name=fit.joint.name,
@@ -57,6 +62,7 @@ def page(fit: Fit, notes: dict[str, str] | None = None) -> bytes:
         false_alarms=f"{fit.joint.false_alarms:g}",
         fixed_point=tables.fixed_point(fit),
         bus=tables.bus(fit),
+        costs=costs,
         sensors=tables.sensors(fit),
         told_on=fit.stated.name,
         pictures={name: _svg(figure) for name, figure in _figures(fit).items()},
@@ -71,6 +77,7 @@ def _figures(fit: Fit) -> "dict[str, Figure]":
         "unrolled": unrolled_figure(fit.sensed),
         "weights": matrix_figure(fit),
         "bands": bands_figure(fit),
+        "worst": worst_figure(fit),
         "count": sensors_figure(fit),
     }
     noise = noise_figure(fit)
@@ -79,6 +86,17 @@ def _figures(fit: Fit) -> "dict[str, Figure]":
 
 def _svg(figure: "Figure") -> str:
     return figure_svg(figure)
+
+
+def _costs(fit: Fit) -> tables.Table:
+    """What the exported folder costs on each core."""
+    from ccgen.cost.costs import cost
+    from ccgen.cost.readme import TITLES, row_of
+    from ccgen.export.package import export
+
+    with TemporaryDirectory() as folder:
+        directory = export(fit, Path(folder) / fit.joint.name).directory
+        return tables.Table(tuple(TITLES), tuple(tuple(row_of(x)) for x in cost(directory).targets))
 
 
 def _provenance(fit: Fit) -> dict[str, str]:
