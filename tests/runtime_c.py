@@ -58,7 +58,8 @@ def next_build() -> Path:
 @cache
 def load(flags: tuple[str, ...] = ("-O1", *UNDEFINED)) -> ctypes.CDLL:
     """The runtime, the sample joint, the shared port and the probes as one shared library."""
-    files = (*RUNTIME, *GLUE, HERE / "probe.c", HERE / "externs.c", PORTS / "shared" / "shared.c")
+    externs = (HERE / "externs.c", HERE / "externs_own.c")
+    files = (*RUNTIME, *GLUE, HERE / "probe.c", *externs, PORTS / "shared" / "shared.c")
     library = ctypes.CDLL(str(compile_c(files, ("-shared", "-fPIC", *flags))))
     library.probe_axis.restype = ctypes.POINTER(Axis16)
     library.probe_sensors.restype = ctypes.POINTER(Sensors16)
@@ -73,6 +74,9 @@ def load(flags: tuple[str, ...] = ("-O1", *UNDEFINED)) -> ctypes.CDLL:
     library.ccgen_layout_frame_length.restype = ctypes.c_uint8
     library.ccgen_get_count.restype = ctypes.c_int32
     library.ccgen_layout_window_max_us.restype = ctypes.c_uint32
+    library.probe_axes.restype = ctypes.c_void_p
+    library.ccgen_snapshot_is_stale.restype = ctypes.c_bool
+    library.ccgen_node_forgets.restype = ctypes.c_bool
     library.ccgen_command_is.restype = ctypes.c_bool
     library.ccgen_snapshot_age_ms.restype = ctypes.c_uint8
     library.ccgen_tip_signal.restype = ctypes.c_int16

@@ -134,7 +134,7 @@ uint32_t board_time_us(void);
 @pytest.mark.parametrize("name", ["finger", "trunk"])
 def test_the_main_loops_in_the_readme_compile(exported, name, compiler, tmp_path):
     loops = re.findall(r"```c\n(.*?)```", (exported / name / "README.md").read_text(), re.DOTALL)
-    assert len(loops) == 3
+    assert len(loops) == 5
     for loop in loops:
         headers, rest = re.match(r"((?:#include [^\n]*\n)+)(.*)", loop, re.DOTALL).groups()
         board = f'#include "{name}_can.h"\n' + BOARD.format(name=name)

@@ -5,6 +5,7 @@
  * Includes the sample joint's source to reach its models.
  */
 #include "ccgen/integer.h"
+#include "ccgen/sending.h"
 #include "ccgen/slcan.h"
 #include "ccgen/snapshot.h"
 #include "ccgen/tip.h"
@@ -18,6 +19,7 @@ void probe_snapshot(const ccgen_snapshot_t *snapshot, uint32_t counters[9]);
 uint8_t probe_take_faults(ccgen_snapshot_t *snapshot);
 const ccgen_layout_t *probe_sample_layout(void);
 uint32_t probe_overruns(const ccgen_node_t *node);
+uint8_t *probe_axes(ccgen_node_t *node);
 int64_t probe_signed(int bits, uint64_t word);
 
 const ccgen_axis16_t *probe_axis(const int v) {
@@ -30,7 +32,8 @@ const ccgen_sensors16_t *probe_sensors(const int v) {
 
 size_t probe_size(const int which) {
     const size_t sizes[] = {sizeof(ccgen_frame_t), sizeof(ccgen_layout_t), sizeof(ccgen_axis16_t),
-                            sizeof(ccgen_snapshot_t), sizeof(ccgen_slcan_t), sizeof(ccgen_node_t)};
+                            sizeof(ccgen_snapshot_t), sizeof(ccgen_slcan_t), sizeof(ccgen_node_t),
+                            sizeof(ccgen_sending_t)};
     return sizes[which];
 }
 
@@ -57,6 +60,10 @@ const ccgen_layout_t *probe_sample_layout(void) {
 
 uint32_t probe_overruns(const ccgen_node_t *const node) {
     return node->overruns;
+}
+
+uint8_t *probe_axes(ccgen_node_t *const node) {
+    return &node->health.axes;
 }
 
 /** A word as a signed number of 16, 32 or 64 bits; 1 and 2: the lower and upper half of 32 bits. */

@@ -131,6 +131,99 @@ LAYOUT = of(
     ("(uint32_t)data[3] << 24", "(uint32_t)data[3] << 23"),
 )
 
+COUNTS = of(
+    "include/ccgen/layout_inline.h",
+    ("test_runtime_node_calls.py", "test_runtime_sending.py"),
+    (
+        "(first <= CCGEN_SENSORS_MAX) && ",
+        "",
+        "what is left of the sensors is then below 0, as ints go, and no number of them is",
+    ),
+    ("(sensors <= (CCGEN_SENSORS_MAX - first))", "true"),
+    (
+        "all[first + j] = (counts[j] == INT16_MIN) ? INT32_MIN : (int32_t)counts[j];",
+        "all[first + j] = (int32_t)counts[j];",
+    ),
+    (
+        "all[first + j] = (counts[j] == INT16_MIN)",
+        "all[j] = (counts[j] == INT16_MIN)",
+    ),
+    ("all[first + j] = counts[j];", "all[j] = counts[j];"),
+)
+
+SENDING = of(
+    "include/ccgen/sending_inline.h",
+    ("test_runtime_sending.py",),
+    ("        sending->counts[j] = INT32_MIN;\n", ""),
+    ("    sending->sendings = 0;\n", ""),
+    ("    sending->overruns = 0;\n", ""),
+    ("(layout->numbers - 1u)", "(layout->numbers - 2u)"),
+    ("    sending->window_us = layout->window_us;\n", ""),
+    ("    sending->next = layout->lengths_frames;\n", "    sending->next = 0;\n"),
+    ("    sending->ahead_us = 0;\n", "", "every first sending sets it"),
+    (
+        "    sending->handed = false;\n    sending->started = false;",
+        "    sending->started = false;",
+    ),
+    ("    sending->started = false;\n", ""),
+    ("    sending->silent = true;\n", ""),
+    ("number >= layout->numbers", "number > layout->numbers"),
+    ("    sending->number = number;\n", ""),
+    (
+        "    sending->number = number;\n    sending->silent = false;\n",
+        "    sending->number = number;\n",
+    ),
+    ("(window_us == 0u) || ", ""),
+    ("(window_us > sending->window_max_us)", "(window_us >= sending->window_max_us)"),
+    ("    sending->window_us = window_us;\n", ""),
+    ("if (first || ((now_us", "if (((now_us"),
+    (
+        "(now_us - sending->now_us) < CCGEN_BEHIND_US",
+        "(now_us - sending->now_us) <= CCGEN_BEHIND_US",
+    ),
+    ("    sending->started = true;\n", ""),
+    ("layout->cycle_us + sending->ahead_us", "layout->cycle_us"),
+    (
+        "(since_us < wait_us) ?",
+        "(since_us <= wait_us) ?",
+        "the difference is 0 then, which is what it is otherwise",
+    ),
+    ("<= (layout->cycle_us / 2u)", "< (layout->cycle_us / 2u)"),
+    ("        sending->begun_us = now_us;\n        if", "        if"),
+    ("<= sending->window_us) {", "< sending->window_us) {"),
+    ("    sending->silent = false;\n    sending->begun_us", "    sending->begun_us"),
+    ("    sending->begun_us = sending->now_us;\n", ""),
+    ("    sending->ahead_us = ahead_us;\n", ""),
+    ("(number < layout->numbers) ?", "(number <= layout->numbers) ?"),
+    ("    sending->sendings += 1u;\n", ""),
+    ("(sending->next < layout->lengths_frames) ? 1u", "(sending->next == 0u) ? 1u"),
+    ("    sending->next = 0;\n    sending->handed = false;\n", "    sending->next = 0;\n"),
+    ("(count <= none) || ", "(count < none - 1) || "),
+    ("(count > -(none + 1))", "(count > -none)"),
+    ("(sending->next * layout->counts_per_frame)", "(sending->next)"),
+    ("(left < layout->counts_per_frame) ? left", "false ? left"),
+    ("(uint8_t)(counts * layout->count_bytes),\n", "counts,\n"),
+    ("(bytes == 2u) ? (int32_t)INT16_MIN", "(bytes == 3u) ? (int32_t)INT16_MIN"),
+    (
+        "ccgen_layout_close(layout, sending->number,",
+        "ccgen_layout_close(layout, 0,",
+    ),
+    (
+        "    sending->next = (uint8_t)(sending->next + 1u);\n    sending->handed = true;",
+        "    sending->next = (uint8_t)(sending->next + 1u);",
+    ),
+    (
+        "    sending->handed = false;\n    if (sending->next >=",
+        "    if (sending->next >=",
+    ),
+    (
+        "    sending->handed = false;\n    sending->next = (uint8_t)(sending->next - (",
+        "    sending->next = (uint8_t)(sending->next - (",
+    ),
+    ("(handed ? 1u : 0u)", "1u"),
+    ("return handed ? 1 : 0;", "return 1;"),
+)
+
 SLCAN = of(
     "src/slcan.c",
     ("test_runtime_slcan.py",),
@@ -188,4 +281,4 @@ TIP = of(
     chosen="tip",
 )
 
-GROUPS = (E2E, TABLES, LAYOUT, SLCAN, TIP)
+GROUPS = (E2E, TABLES, LAYOUT, COUNTS, SENDING, SLCAN, TIP)

@@ -133,12 +133,6 @@ NODE = of(
         "ccgen_node_narrow_count(node->snapshot.counts[j])",
     ),
     ("= node->snapshot.counts[first + j]", "= node->snapshot.counts[j]"),
-    (
-        "(first <= CCGEN_SENSORS_MAX) && ",
-        "",
-        "what is left of the sensors is then below 0, as ints go, and no number of them is",
-    ),
-    ("(sensors <= (CCGEN_SENSORS_MAX - first))", "true"),
     ("(missing < 0) || ", ""),
     ("(missing > 0xFFFF)", "(missing > 0x10000)"),
     ("(estimated && (tip == NULL))", "(tip == NULL)"),
@@ -291,4 +285,45 @@ NODE_AND_HEALTH = of(
     (" || (handed == CCGEN_HANDED_HEALTH)", ""),
 )
 
-GROUPS = (SNAPSHOT, NODE, NODE_AND_HEALTH, HEALTH, COMMAND, CAPTURE)
+OWN = of(
+    "include/ccgen/snapshot_inline.h",
+    ("test_runtime_own.py",),
+    ("(snapshot->snapshots > 0u) ? (uint16_t)", "true ? (uint16_t)"),
+    (
+        "(next < layout->numbers) ? next",
+        "(next <= layout->numbers) ? next",
+    ),
+    (
+        "(next < layout->numbers) ? next : 0u), 1u);",
+        "(next < layout->numbers) ? next : 0u), 2u);",
+    ),
+    (
+        "    snapshot->heard_us = snapshot->now_us;\n    ccgen_snapshot_complete(",
+        "    ccgen_snapshot_complete(",
+    ),
+    ("snapshot->stale || (age_us", "(age_us"),
+    (
+        "return snapshot->stale || (age_us > snapshot->stale_us",
+        "return snapshot->stale || (age_us >= snapshot->stale_us",
+    ),
+    (
+        "ccgen_snapshot_latest_us(snapshot, now_us) - snapshot->complete_us;\n",
+        "now_us - snapshot->complete_us;\n",
+    ),
+)
+
+WORTH = of(
+    "include/ccgen/node_inline.h",
+    ("test_runtime_own.py",),
+    ("    if (node->snapshot.snapshots == 0u) {\n        return CCGEN_ANGLES_LOST;\n    }\n", ""),
+    ("    if (!node->estimated) {\n        return CCGEN_ANGLES_LOST;\n    }\n", ""),
+    ("        return CCGEN_ANGLES_STALE;\n", "        return CCGEN_ANGLES_LOST;\n"),
+    ("(node->health.axes == 0u) ? CCGEN_ANGLES_GOOD", "true ? CCGEN_ANGLES_GOOD"),
+    ("(node->next > ccgen_layout_status_index(layout)) &&", "true &&"),
+    ("(node->handed != CCGEN_HANDED_ESTIMATE);", "true;"),
+    ("!node->estimated || !node->snapshot.stale || ", "!node->snapshot.stale || "),
+    (" || !node->snapshot.stale || ", " || "),
+    ("    node->estimated = false;\n    return true;", "    return true;"),
+)
+
+GROUPS = (OWN, WORTH, SNAPSHOT, NODE, NODE_AND_HEALTH, HEALTH, COMMAND, CAPTURE)

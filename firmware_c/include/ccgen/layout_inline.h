@@ -108,6 +108,42 @@ static inline int32_t ccgen_get_count(const uint8_t *const data, const uint8_t b
     return ccgen_signed32((word >> 8) | ((uint32_t)data[3] << 24));
 }
 
+/** \return whether there may be `sensors` sensors from number `first` on. */
+static inline bool ccgen_sensors_exist(const uint8_t first, const uint8_t sensors) {
+    return (first <= CCGEN_SENSORS_MAX) && (sensors <= (CCGEN_SENSORS_MAX - first));
+}
+
+/**
+ * Puts readings of a joint of precision 16 into the list of all its counts.
+ * \param[out] all     [CCGEN_SENSORS_MAX] in the joint's order; INT32_MIN: no reading
+ * \param[in] first    the first sensor
+ * \param[in] sensors  how many; first + sensors at most CCGEN_SENSORS_MAX
+ * \param[in] counts   [sensors] INT16_MIN: no reading
+ * \return CCGEN_OK, or CCGEN_ERROR_ARGUMENT for a null pointer or sensors that there are not
+ */
+static inline int ccgen_put_counts16(int32_t *const all, const uint8_t first,
+                                     const uint8_t sensors, const int16_t *const counts) {
+    if ((all == NULL) || (counts == NULL) || !ccgen_sensors_exist(first, sensors)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    for (uint8_t j = 0; j < sensors; ++j) {
+        all[first + j] = (counts[j] == INT16_MIN) ? INT32_MIN : (int32_t)counts[j];
+    }
+    return CCGEN_OK;
+}
+
+/** The same for a joint of precision 32; INT32_MIN: no reading. */
+static inline int ccgen_put_counts32(int32_t *const all, const uint8_t first,
+                                     const uint8_t sensors, const int32_t *const counts) {
+    if ((all == NULL) || (counts == NULL) || !ccgen_sensors_exist(first, sensors)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    for (uint8_t j = 0; j < sensors; ++j) {
+        all[first + j] = counts[j];
+    }
+    return CCGEN_OK;
+}
+
 static inline bool ccgen_layout_axes_valid(const ccgen_layout_t *const layout) {
     bool valid = (layout->sensors >= 1u) && (layout->sensors <= CCGEN_SENSORS_MAX);
     for (uint8_t axis = 0; axis < CCGEN_AXES_MAX; ++axis) {

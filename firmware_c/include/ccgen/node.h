@@ -36,6 +36,14 @@ typedef enum {
     CCGEN_HANDED_HEALTH
 } ccgen_handed_t;
 
+/** What angles are worth, from best to worst. */
+enum {
+    CCGEN_ANGLES_GOOD = 0,     /**< fresh, and every axis is good */
+    CCGEN_ANGLES_DEGRADED = 1, /**< fresh; some axis is degraded or lost */
+    CCGEN_ANGLES_LOST = 2,     /**< there are none: no snapshot yet, or the latest had too little */
+    CCGEN_ANGLES_STALE = 3     /**< there are none any more: the latest is over three cycles old */
+};
+
 /** State, owned by the caller; the fields up to `missing` are for reading, the rest is internal. */
 typedef struct {
     ccgen_snapshot_t snapshot;

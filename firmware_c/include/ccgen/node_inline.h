@@ -62,11 +62,6 @@ static inline int16_t ccgen_node_narrow_count(const int32_t count) {
     return ((count > INT16_MAX) || (count < INT16_MIN)) ? (int16_t)INT16_MIN : (int16_t)count;
 }
 
-/** \return whether a snapshot has these sensors. */
-static inline bool ccgen_node_are_sensors(const uint8_t first, const uint8_t sensors) {
-    return (first <= CCGEN_SENSORS_MAX) && (sensors <= (CCGEN_SENSORS_MAX - first));
-}
-
 /**
  * Hands out counts of the latest complete snapshot, for a joint of precision 16.
  * \param[in] node
@@ -77,7 +72,7 @@ static inline bool ccgen_node_are_sensors(const uint8_t first, const uint8_t sen
  */
 static inline int ccgen_node_counts16(const ccgen_node_t *const node, const uint8_t first,
                                       const uint8_t sensors, int16_t *const counts) {
-    if ((node == NULL) || (counts == NULL) || !ccgen_node_are_sensors(first, sensors)) {
+    if ((node == NULL) || (counts == NULL) || !ccgen_sensors_exist(first, sensors)) {
         return CCGEN_ERROR_ARGUMENT;
     }
     for (uint8_t j = 0; j < sensors; ++j) {
@@ -89,13 +84,64 @@ static inline int ccgen_node_counts16(const ccgen_node_t *const node, const uint
 /** The same for a joint of precision 32; "no reading" is INT32_MIN whatever the count's width. */
 static inline int ccgen_node_counts32(const ccgen_node_t *const node, const uint8_t first,
                                       const uint8_t sensors, int32_t *const counts) {
-    if ((node == NULL) || (counts == NULL) || !ccgen_node_are_sensors(first, sensors)) {
+    if ((node == NULL) || (counts == NULL) || !ccgen_sensors_exist(first, sensors)) {
         return CCGEN_ERROR_ARGUMENT;
     }
     for (uint8_t j = 0; j < sensors; ++j) {
         counts[j] = node->snapshot.counts[first + j];
     }
     return CCGEN_OK;
+}
+
+/**
+ * Completes a snapshot of counts that the node's own chip has read and that were put into
+ * `snapshot.pending`; then comes what comes after a complete snapshot of frames. Parameters and
+ * result as ccgen_snapshot_own().
+ */
+static inline int ccgen_node_own(const ccgen_layout_t *const layout, ccgen_node_t *const node,
+                                 const uint32_t now_us) {
+    return (node == NULL) ? CCGEN_ERROR_ARGUMENT
+                          : ccgen_snapshot_own(layout, &node->snapshot, now_us);
+}
+
+/**
+ * Tells what the angles of the snapshot last published are worth.
+ * \param[in] node
+ * \param[in] now_us
+ * \return CCGEN_ANGLES_...; CCGEN_ERROR_ARGUMENT for a null pointer
+ */
+static inline int ccgen_node_worth(const ccgen_node_t *const node, const uint32_t now_us) {
+    if (node == NULL) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    if (node->snapshot.snapshots == 0u) {
+        return CCGEN_ANGLES_LOST;
+    }
+    if (ccgen_snapshot_is_stale(&node->snapshot, now_us)) {
+        return CCGEN_ANGLES_STALE;
+    }
+    if (!node->estimated) {
+        return CCGEN_ANGLES_LOST;
+    }
+    return (node->health.axes == 0u) ? CCGEN_ANGLES_GOOD : CCGEN_ANGLES_DEGRADED;
+}
+
+/**
+ * Tells when silence has made the angles of the snapshot last published worthless, so that whoever
+ * holds them forgets them: no frame needs them any more.
+ * \param[in] layout
+ * \param[in,out] node
+ * \return true once a silence
+ */
+static inline bool ccgen_node_forgets(const ccgen_layout_t *const layout,
+                                      ccgen_node_t *const node) {
+    const bool answered = (node->next > ccgen_layout_status_index(layout)) &&
+                          (node->handed != CCGEN_HANDED_ESTIMATE);
+    if (!node->estimated || !node->snapshot.stale || !answered) {
+        return false;
+    }
+    node->estimated = false;
+    return true;
 }
 
 /** Moves on to the next frame of the answer that is sent, or behind STATUS. */

@@ -160,6 +160,13 @@ static inline uint8_t ccgen_snapshot_age_ms(const ccgen_snapshot_t *const snapsh
     return (uint8_t)((age_ms < CCGEN_AGE_MAX_MS) ? age_ms : CCGEN_AGE_MAX_MS);
 }
 
+/** \return whether the latest complete snapshot is more than three cycles old. */
+static inline bool ccgen_snapshot_is_stale(const ccgen_snapshot_t *const snapshot,
+                                           const uint32_t now_us) {
+    const uint32_t age_us = ccgen_snapshot_latest_us(snapshot, now_us) - snapshot->complete_us;
+    return snapshot->stale || (age_us > snapshot->stale_us);
+}
+
 /** \return the frame's number; negative when it was counted as harmed. */
 static inline int ccgen_snapshot_check_frame(const ccgen_layout_t *const layout,
                                              ccgen_snapshot_t *const snapshot,
@@ -293,6 +300,28 @@ static inline void ccgen_snapshot_complete(const ccgen_layout_t *const layout,
     snapshot->complete_us = snapshot->now_us;
     snapshot->stale = false;
     snapshot->aged = false;
+}
+
+/**
+ * Completes a snapshot of the node's own sensors, whose counts stand in `pending`: it takes the
+ * number behind that of the latest, 0 for the first. A snapshot of frames that was incomplete is
+ * lost.
+ * \param[in] layout
+ * \param[in,out] snapshot
+ * \param[in] now_us  when they were read
+ * \return 1, or CCGEN_ERROR_ARGUMENT for a null pointer
+ */
+static inline int ccgen_snapshot_own(const ccgen_layout_t *const layout,
+                                     ccgen_snapshot_t *const snapshot, const uint32_t now_us) {
+    if ((layout == NULL) || (snapshot == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    ccgen_snapshot_advance(snapshot, now_us);
+    const uint16_t next = (snapshot->snapshots > 0u) ? (uint16_t)(snapshot->number + 1u) : 0u;
+    ccgen_snapshot_begin_newer(snapshot, (uint8_t)((next < layout->numbers) ? next : 0u), 1u);
+    snapshot->heard_us = snapshot->now_us;
+    ccgen_snapshot_complete(layout, snapshot);
+    return 1;
 }
 
 /**

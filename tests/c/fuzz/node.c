@@ -53,6 +53,7 @@ typedef struct {
     int published;
     int32_t missing;
     int64_t angles[PORT_VALUES];
+    bool remembered; /* not forgotten in a silence */
     bool estimated;
     uint32_t corrupted;
     uint32_t malformed;
@@ -116,6 +117,22 @@ static void check_angles(const bus_t *const bus) {
     }
 }
 
+static void blank(bus_t *const bus) {
+    for (uint16_t i = 0; i < PORT_VALUES; ++i) {
+        bus->angles[i] = lowest_of(layout->angle_bytes);
+    }
+    bus->remembered = false;
+}
+
+/** Angles that no frame needs any more do not outlast a silence. */
+static void forget(bus_t *const bus) {
+    const bool stale = (bus->told_us - bus->completed_us) > (3u * (uint64_t)layout->cycle_us);
+    if (bus->remembered && stale && (bus->due > ccgen_layout_status_index(layout)) &&
+        (bus->handed != CCGEN_HANDED_ESTIMATE)) {
+        blank(bus);
+    }
+}
+
 /** The node counts what the rule counts. */
 static void check_counters(const bus_t *const bus) {
     const ccgen_snapshot_t *const snapshot = &bus->node->node.snapshot;
@@ -158,6 +175,7 @@ static void publish(bus_t *const bus, const int result) {
     for (uint16_t i = 0; (i < PORT_VALUES) && bus->estimated; ++i) {
         bus->angles[i] = angle_of(counts, bus->zero, i);
     }
+    bus->remembered = bus->estimated;
     owe(bus, bus->estimated ? 0u : CCGEN_FAULT_MISSING);
     bus->estimates += bus->estimated ? 1u : 0u;
     bus->failures += bus->estimated ? 0u : 1u;
@@ -204,6 +222,7 @@ static void receive(bus_t *const bus, const ccgen_frame_t *const frame) {
         publish(bus, result);
     } else {
         CHECK(result == 0);
+        forget(bus);
         CHECK(memcmp(before.counts, snapshot_of(bus)->counts, sizeof before.counts) == 0);
     }
     check_angles(bus);
@@ -310,6 +329,8 @@ static bool transmit(bus_t *const bus) {
                      ((bus->told_us - bus->status_us) >= bus->status_wait_us);
     CHECK(result == (due ? 1 : 0));
     if (!due) {
+        forget(bus);
+        check_angles(bus);
         CHECK(memcmp(&frame, &untouched, sizeof frame) == 0);
         return false;
     }
@@ -328,6 +349,8 @@ static bool transmit(bus_t *const bus) {
         check_answer(bus, index, &frame);
     }
     hand_out(bus, index);
+    forget(bus);
+    check_angles(bus);
     return true;
 }
 
@@ -612,6 +635,8 @@ static void start(bus_t *const bus, input_t *const input) {
     rule_start(&bus->rule, numbers_of_joint(), layout->lengths_frames,
                layout->cycle_us, layout->window_us);
     read_zero(&bus->node->joint, bus->zero);
+    blank(bus);
+    check_angles(bus);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *const data, const size_t size) {
