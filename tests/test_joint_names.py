@@ -17,6 +17,7 @@ from joint_files import joint_text
 
 from ccgen import resources
 from ccgen.cost import harness
+from ccgen.export.examples import EXAMPLES
 from ccgen.export.package import export
 from ccgen.joint import reserved
 from ccgen.joint.names import ENDINGS, name_problem
@@ -68,7 +69,7 @@ def folders(tmp_path_factory):
     ):
         source = folder / f"{kind}.toml"
         source.write_text(joint_text(SAMPLE, segments=4, count=2, **options))
-        export(source, folder / kind)
+        export(source, folder / kind, examples=EXAMPLES)
     return [folder / "classic", folder / "fd"]
 
 
@@ -190,9 +191,11 @@ def test_names_that_differ_in_capitals_only_are_said_when_they_meet(folders, tmp
     assert "another joint's name differs from finger in capitals only" in done.stderr
 
 
-def test_no_name_meets_the_runtime_the_ports_the_harness_or_the_examples(brought):
-    example = [f for f in (ROOT / "examples").rglob("*") if f.suffix in (".c", ".cpp", ".ino")]
-    words = {w for w in words_of(example) if not w.lower().startswith(("shoulder", "wrist"))}
+def test_no_name_meets_the_runtime_the_ports_the_harness_or_the_examples(brought, folders):
+    places = (ROOT / "examples", folders[0] / "examples")
+    example = [f for p in places for f in p.rglob("*") if f.suffix in (".c", ".cpp", ".ino")]
+    own = ("shoulder", "wrist", SAMPLE)
+    words = {w for w in words_of(example) if not w.lower().startswith(own)}
     words |= brought["others"]
     assert {"board_init", "ring_t", "word_t", "ccgen_node_t"} <= words
     assert legal(meeting(brought, words)) == []
@@ -218,7 +221,7 @@ def test_no_name_is_a_target_of_the_examples_or_of_the_folder(folders):
     made = (
         r"(?:add_executable|add_library|add_custom_target|add_test|project)\(\s*(?:NAME\s+)?(\w+)"
     )
-    lists = [*(ROOT / "examples").rglob("CMakeLists.txt"), folders[0] / "CMakeLists.txt"]
+    lists = [*(ROOT / "examples").rglob("CMakeLists.txt"), *folders[0].rglob("CMakeLists.txt")]
     targets = {name for file in lists for name in re.findall(made, file.read_text())}
     assert {"angles", "firmware", "two_joints", SAMPLE} <= targets
     assert legal(targets) == [SAMPLE]

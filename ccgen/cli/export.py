@@ -29,6 +29,15 @@ def export(
             help="Measure it for every target whose tools are installed, as `ccgen cost --write`.",
         ),
     ] = False,
+    examples: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--example",
+            metavar="KIND",
+            help="Write a complete project as well, to DIR/examples/KIND: cmake, cortex-m, arduino "
+            "or zephyr; may be repeated.",
+        ),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Write a folder with fixed-point C that stands alone: estimator, kinematics, CAN node, DBC.
@@ -41,6 +50,7 @@ def export(
     Example:
       ccgen export shoulder.toml -o firmware/shoulder
       ccgen verify firmware/shoulder --target host
+      ccgen export shoulder.toml -o firmware/shoulder --example zephyr
     """
     from ccgen.can.load import load_percent
     from ccgen.cost.readme import has_table
@@ -49,7 +59,7 @@ def export(
     targets = _countable_targets() if cost else []
     table_is_lost = not cost and has_table(output)
     with progress_bars(lines=True) as report:
-        done = write(joint_file, output, report)
+        done = write(joint_file, output, report, examples or ())
     for text in done.notes:
         note(text)
     warn(done.doubts)

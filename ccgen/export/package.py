@@ -1,6 +1,7 @@
 """The exported folder: every file of it rendered in memory, then written whole or not at all."""
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from ccgen.export import context
 from ccgen.export.arrangement import arrangement_context
 from ccgen.export.dbc import dbc_text
 from ccgen.export.errors_context import errors_context
+from ccgen.export.examples import check_kinds, example_files
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
 from ccgen.export.model_context import model_context
@@ -72,7 +74,10 @@ class Export:
 
 
 def export(
-    fitted: Fit | Joint | str | Path, directory: str | Path, report: Report = in_silence
+    fitted: Fit | Joint | str | Path,
+    directory: str | Path,
+    report: Report = in_silence,
+    examples: Sequence[str] = (),
 ) -> Export:
     """Write the folder for a joint; an older export in its place is replaced in one step.
 
@@ -81,11 +86,13 @@ def export(
             is fitted first unless its fit is kept beside the file (`ccgen.fixedpoint.kept`).
         directory: the folder to write.
         report: told of progress where something takes long: what, steps done, steps in all.
+        examples: kinds of complete projects to write beside it, of `ccgen.export.examples`.
 
     Raises:
-        InputError: the joint's file is wrong, no format fits, or the folder cannot be written or
-            holds files that are not ours.
+        InputError: the joint's file is wrong, no format fits, the controller of an example does
+            not speak CAN FD, or the folder cannot be written or holds files that are not ours.
     """
+    check_kinds(examples)
     joint = load(fitted) if isinstance(fitted, str | Path) else fitted
     kept = None if isinstance(joint, Fit) else kept_fit(_as_filed(joint))
     if isinstance(joint, Fit):
@@ -94,7 +101,7 @@ def export(
         whole = kept.fit
     else:
         whole = fit(joint, report=report)
-    layout, files = render(whole, kept)
+    layout, files = render(whole, kept, examples)
     with new_folder(Path(directory), _only_ours) as folder:
         for path, content in files.items():
             target = folder / path
@@ -111,12 +118,15 @@ def export(
     )
 
 
-def render(fitted: Fit, kept: Kept | None = None) -> tuple[FrameLayout, dict[str, bytes]]:
+def render(
+    fitted: Fit, kept: Kept | None = None, examples: Sequence[str] = ()
+) -> tuple[FrameLayout, dict[str, bytes]]:
     """The frames, and every file's content by path; the same input, the same bytes.
 
     Args:
         fitted: what to export.
         kept: where it comes from.
+        examples: as of `export`.
     """
     _as_filed(fitted.joint)
     joint, model = fitted.sensed, fitted.model
@@ -129,6 +139,7 @@ def render(fitted: Fit, kept: Kept | None = None) -> tuple[FrameLayout, dict[str
         **errors_context(fitted),
         "drawing": arrangement_context(joint),
         **selftest_context(joint, model, layout, fitted.shapes),
+        "zeros": model.readings.zero.tolist(),
         "kinematics": kinematics_context(
             joint.name,
             joint.geometry.segments,
@@ -150,6 +161,7 @@ def render(fitted: Fit, kept: Kept | None = None) -> tuple[FrameLayout, dict[str
     if joint.calibration_content:
         files[f"{joint.name}{CALIBRATION_END}"] = joint.calibration_content
     files |= {path: text.encode("utf-8") for path, text in texts.items()}
+    files |= example_files(examples, layout, joint.source, values)
     files[FILE_NAME] = manifest_json(joint.name, _inputs(fitted, kept), files).encode("utf-8")
     return layout, files
 

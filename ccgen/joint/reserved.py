@@ -92,8 +92,9 @@ FOLDER = _words(
     help host install integer kconfig kernel16 kernel16_thumb1 kernel32 layout layout_inline
     libjoint license line link load main manifest model node node_inline options package
     platformio port ports posix prj product ram readme record ring riscv32 riscv_virt sdkconfig
-    selftest semihosting sending sending_inline sensors16 sensors32 shared shoulder_serial simavr_uart
-    slcan snapshot snapshot_inline socketcan startup test tip two_joints u v vector version virt word zephyr zero
+    selftest semihosting sending sending_inline sensors16 sensors32 shared simavr_uart slcan
+    snapshot snapshot_inline socketcan startup test tip two_joints u v vector version virt word
+    zephyr zero
     """
 )
 """Names of files, types and build targets that the exported folder or an example has itself."""

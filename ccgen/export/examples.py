@@ -1,0 +1,107 @@
+"""Complete projects for a joint, written into its folder when they are asked for."""
+
+import difflib
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ccgen import resources
+from ccgen.can.layout import LARGEST_ID, FrameLayout
+from ccgen.errors import ArgumentError, InputError
+
+FOLDER = "examples"
+"""Where they go in the exported folder, each into a folder of its kind's name."""
+
+
+@dataclass(frozen=True)
+class Example:
+    """A kind of example: its files and, of templates/examples, what they are made from.
+
+    Attributes:
+        files: paths in the project's folder, each with its template's name but for the ending.
+        classic_only: what its controller is, where that does not speak CAN FD.
+    """
+
+    files: Mapping[str, str]
+    classic_only: str = ""
+
+
+EXAMPLES: dict[str, Example] = {
+    "cmake": Example({name: name for name in ("CMakeLists.txt", "main.c", "README.md")}),
+    "cortex-m": Example(
+        {name: name for name in ("CMakeLists.txt", "cortex-m4.cmake", "main.c", "README.md")}
+    ),
+    "arduino": Example({name: name for name in ("arduino.ino", "README.md")}),
+    "zephyr": Example(
+        {
+            "CMakeLists.txt": "CMakeLists.txt",
+            "prj.conf": "prj.conf",
+            "src/main.c": "main.c",
+            "README.md": "README.md",
+        }
+    ),
+}
+"""The kinds, as they are asked for."""
+
+
+def check_kinds(kinds: Iterable[str]) -> None:
+    """Check that there are examples of these kinds.
+
+    Raises:
+        ArgumentError: there is none of that kind.
+    """
+    for kind in kinds:
+        if kind not in EXAMPLES:
+            near = difflib.get_close_matches(kind, EXAMPLES, n=1)
+            remedy = f"did you mean {near[0]}?" if near else f"known: {', '.join(EXAMPLES)}"
+            raise ArgumentError(f"{kind} is unknown; {remedy}", "examples")
+
+
+def example_files(
+    kinds: Iterable[str], layout: FrameLayout, source: str, values: Mapping[str, Any]
+) -> dict[str, bytes]:
+    """Render examples; content by path in the exported folder.
+
+    Args:
+        kinds: as `check_kinds` accepts them.
+        layout: the joint's frames.
+        source: names the joint's file in messages.
+        values: what templates are filled with.
+
+    Raises:
+        InputError: the controller of a kind does not speak CAN FD, and the joint does.
+    """
+    files = {}
+    for kind in dict.fromkeys(kinds):
+        example = EXAMPLES[kind]
+        if layout.fd and example.classic_only:
+            raise InputError(
+                f"{source}: can.fd: true, but {example.classic_only} of the example {kind} speaks "
+                "classic CAN alone; write fd = false, or take another controller"
+            )
+        for path, template in example.files.items():
+            text = resources.template(f"examples/{kind}/{template}.j2").render(
+                values, filters=filters(layout)
+            )
+            files[f"{FOLDER}/{kind}/{path}"] = text.encode("utf-8")
+    return files
+
+
+def filters(layout: FrameLayout) -> list[tuple[int, int]]:
+    """Identifiers and masks that let a node's own frames in, and no others."""
+    wanted = [range(layout.base_id, layout.base_id + layout.lengths_frames)]
+    if layout.commands:
+        wanted.append(range(layout.last_id, layout.last_id + 1))
+    largest = LARGEST_ID[layout.extended]
+    return [(first, largest & ~(size - 1)) for ids in wanted for first, size in _blocks(ids)]
+
+
+def _blocks(ids: range) -> Iterator[tuple[int, int]]:
+    """Cut a range into as few pieces as masks can tell: powers of two that begin at a multiple."""
+    first = ids.start
+    while first < ids.stop:
+        size = 1
+        while first % (2 * size) == 0 and first + 2 * size <= ids.stop:
+            size *= 2
+        yield first, size
+        first += size
