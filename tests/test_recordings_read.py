@@ -333,6 +333,11 @@ WRONG_VALUES = [
         "file where the clock was set",
     ),
     (
+        columns(t=np.full(ROWS, 5.0)),
+        "",
+        "column t: time stands still at 5 s; write seconds that run on, or leave the column out",
+    ),
+    (
         columns(t=changed(columns()["t"], 7, "")),
         "",
         "line 9, column t: is empty; every row needs its time",
@@ -393,7 +398,13 @@ WRONG_VALUES = [
         "rows = [5, 40]",
         "rows = [5, 40] asks for more than its 40 rows; write rows from 0 to 39",
     ),
-    (columns(), "rows = [5, 6]", "2 rows of samples; a recording needs 10 or more"),
+    (
+        columns(),
+        "rows = [5, 6]",
+        "2 rows of samples; a recording needs 10 or more, "
+        "so that some can be held out; fewer poses with segment angles calibrate sensors: "
+        "`ccgen calibrate`",
+    ),
     (
         columns(count_u0=np.full(ROWS, 40000.0)),
         "",
@@ -443,6 +454,9 @@ def test_values_that_make_no_sense_are_named_with_what_would(tmp_path, made, key
             "line 1: the columns are separated by tabs; write commas between columns and "
             "decimal points in numbers",
         ),
+        (b"0,1,1\n2,3,4\n", "line 1 holds numbers, not names; write a header"),
+        (b"# by hand\nt,u0\n", "line 1 is a comment; remove it, the first line names columns"),
+        (b"t\n1,2\n", "line 2: 2 cells under 1 column; write one cell a column"),
         (b"t,u0,t\n", "column t stands there twice; remove one of them"),
         (b"t,,u0\n", "column 2 has no name; write a header such as t,count_u0"),
         (b't,"u0\n', "line 1: unexpected end of data; write comma-separated numbers"),

@@ -43,12 +43,13 @@ def check_rows(table: Table) -> None:
     if count < FEWEST_ROWS:
         raise InputError(
             f"{table.source}: {count} row{'' if count == 1 else 's'} of samples; a recording needs "
-            f"{FEWEST_ROWS} or more"
+            f"{FEWEST_ROWS} or more, so that some can be held out; fewer poses with segment angles "
+            "calibrate sensors: `ccgen calibrate`"
         )
 
 
 def check_time(table: Table, t: Floats) -> None:
-    """Check that time is known and does not run back.
+    """Check that time is known and runs on, never back.
 
     Raises:
         InputError: naming the line.
@@ -62,6 +63,11 @@ def check_time(table: Table, t: Floats) -> None:
         raise InputError(
             f"{table.where(row, 't')}: time runs back from {t[row - 1]:g} to {t[row]:g} s; "
             "sort the rows, or cut the file where the clock was set"
+        )
+    if len(t) > 1 and t[0] == t[-1]:
+        raise InputError(
+            f"{table.source}: column t: time stands still at {t[0]:g} s; write seconds that run "
+            "on, or leave the column out"
         )
 
 

@@ -191,8 +191,9 @@ def _parsed(text: str, source: str) -> tuple[tuple[str, ...], _Rows]:
                 continue
             if len(cells) != len(names):
                 raise InputError(
-                    f"{source}: line {reader.line_num}: {_cells(len(cells))} under "
-                    f"{len(names)} columns; write one cell a column, empty where there is no value"
+                    f"{source}: line {reader.line_num}: {_counted(len(cells), 'cell')} under "
+                    f"{_counted(len(names), 'column')}; write one cell a column, empty where there "
+                    "is no value"
                 )
             rows.append(
                 _numbers(cells, names, f"{source}: line {reader.line_num}"), reader.line_num
@@ -206,8 +207,8 @@ def _parsed(text: str, source: str) -> tuple[tuple[str, ...], _Rows]:
     return names, rows
 
 
-def _cells(count: int) -> str:
-    return f"{count} cell{'' if count == 1 else 's'}"
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _header(cells: list[str], source: str) -> tuple[str, ...]:
@@ -218,6 +219,12 @@ def _header(cells: list[str], source: str) -> tuple[str, ...]:
             f"{source}: line 1: the columns are separated by {separator}; "
             "write commas between columns and decimal points in numbers"
         )
+    if all(_is_number(name) for name in names):
+        raise InputError(
+            f"{source}: line 1 holds numbers, not names; write a header such as t,count_u0"
+        )
+    if names[0].startswith("#"):
+        raise InputError(f"{source}: line 1 is a comment; remove it, the first line names columns")
     if len(names) > MOST_COLUMNS:
         raise InputError(f"{source}: {len(names)} columns; write at most {MOST_COLUMNS}")
     if "" in names:
@@ -227,10 +234,6 @@ def _header(cells: list[str], source: str) -> tuple[str, ...]:
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         raise InputError(f"{source}: column {twice[0]} stands there twice; remove one of them")
-    if all(_is_number(name) for name in names):
-        raise InputError(
-            f"{source}: line 1 holds numbers, not names; write a header such as t,count_u0"
-        )
     return names
 
 
