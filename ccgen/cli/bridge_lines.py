@@ -1,5 +1,6 @@
 """What `ccgen bridge --json-lines` prints while it runs: snapshots as `ccgen monitor` does."""
 
+import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
@@ -25,6 +26,7 @@ def snapshot_lines(exported: Exported, log: Log | None) -> Iterator[Log]:
     def show(snapshots: Iterable[Seen]) -> None:
         for seen in snapshots:
             print_json(plain(seen, exported.model, exported.layout))
+            sys.stdout.flush()
 
     def take(message: can.Message) -> None:
         nonlocal strange
