@@ -98,6 +98,9 @@ def test_bodies_and_counts_tell_the_shape_and_the_sensors(usual):
     spread = np.sqrt(np.diagonal(it.covariance, axis1=1, axis2=2))
     off = np.abs(it.state - state)[:, : 2 * M] / spread[:, : 2 * M]
     assert 0.2 < np.median(off) < 3
+    told = np.degrees(np.sqrt(np.mean(np.square(spread[:, : 2 * M]))))
+    true = apart(it.state[:, : 2 * M], state[:, : 2 * M])
+    assert 0.9 * true < told < 3 * true
     second = state.T @ state / len(state)
     assert np.trace(it.second_moment) == pytest.approx(np.trace(second), rel=0.1)
 

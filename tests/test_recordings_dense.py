@@ -107,6 +107,14 @@ def test_counts_of_a_clock_of_their_own_are_laid_beside_the_reference(tmp_path):
     assert np.isfinite(it.lengths[20:-20]).all()
 
 
+@pytest.mark.parametrize("delay", [0.01, 0.014])
+def test_noise_is_that_of_a_reading_though_readings_between_rows_are_means(tmp_path, delay):
+    written(tmp_path, delay=delay, noise=1e-4)
+    (it,) = made(tmp_path, ("run.csv", f"delay = {delay}"))
+    whole = np.hypot(1e-4, STEP / np.sqrt(12))
+    np.testing.assert_allclose(it.noise, whole, rtol=0.12)
+
+
 def test_readings_that_stick_are_left_out_and_counted(tmp_path):
     def stick(columns):
         columns["count_v0"][300:380] = columns["count_v0"][300]

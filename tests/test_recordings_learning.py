@@ -82,6 +82,25 @@ def test_the_gradient_is_that_of_the_value():
         assert gradient[i] == pytest.approx((high - low) / 2e-5, rel=1e-4, abs=1e-2)
 
 
+def test_doubt_is_how_shapes_follow_the_parameters():
+    states = bent(6)
+    seen = lengths(states)
+    weight = np.full((6, 8), 1e-4**-2.0)
+    likelihood = Likelihood(model(), seen, markers(states)(states), weight, 1.0)
+    theta = 0.3 * np.random.default_rng(4).standard_normal(len(likelihood.start()))
+    at = likelihood.parameters(theta)
+    for i in range(0, len(theta), 5):
+        step = np.zeros_like(theta)
+        step[i] = 1e-5
+        high, low = (likelihood.posterior(theta + s * step).state for s in (1, -1))
+        slope = (high - low) / 2e-5
+        moved = likelihood.spread(step / 1e-5)
+        own = np.concatenate([np.ravel(part) for part in vars(moved).values()])
+        found = likelihood.doubt(at, np.outer(own, own))
+        expected = slope[:, :, None] * slope[:, None, :]
+        np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-5 * np.abs(found).max())
+
+
 def test_few_markers_and_counts_tell_where_the_joint_is_stiff():
     states = bent()
     learned = learn(markers(states, 2e-4), model(), lengths(states), 240, np.zeros_like(states))

@@ -45,6 +45,10 @@ _MANY = 8
 """Bodies that tell how smooth a shape is."""
 _ROWS = 250
 """Whose shapes are sought at once."""
+_BETWEEN = 0.3
+"""Share of the doubt about what was learned that counts for bends between bodies: they tell most of
+those themselves, and to first order the doubt would make them two to three times as uncertain as
+they are."""
 _FRAME_ROWS = 400
 """From which a frame is found."""
 
@@ -87,7 +91,7 @@ def body_references(
         if i in telling:
             group = list(telling).index(i)
             sensed = None if shared.calibration is None else shared.calibration.of(group)
-            made.append(_reference(telling[i], shared, sensed, sensors, cut, starts[i]))
+            made.append(_reference(telling[i], shared, sensed, sensors, cut, starts[i], group))
         else:
             part = _part(cut.geometry, recording, model, sensors, None, settled, starts[i])
             sensed = _borrowed(part, shared, common, sensors)
@@ -204,30 +208,32 @@ def _reference(
     sensors: RecordedSensors,
     cut: Fine,
     start: Floats | None,
+    group: int | None = None,
 ) -> Reference:
+    """A part's reference; `group` is its number among those that were learned from."""
     recording, read = part.recording, part.read
     known = None if read is None else sensed
-    posterior = _posterior(part, shared, known, sensors, start)
+    posterior = _posterior(part, shared, known, sensors, start, group)
     return Reference(
         name=f"recording:{recording.file.file}",
         use=recording.file.use,
         t=recording.t,
         dense=False,
         state=posterior.state[:, :-1] @ cut.gather.T,
-        covariance=cut.gather @ posterior.covariance[:, :-1, :-1] @ cut.gather.T,
+        covariance=cut.gather @ posterior.with_doubt()[:, :-1, :-1] @ cut.gather.T,
         second_moment=cut.gather @ shared.second_moment[:-1, :-1] @ cut.gather.T,
         lengths=None if read is None else read.lengths,
         gain=None if known is None else known.gain,
         gain_std=None if known is None else known.gain_std,
         zero=None if known is None else known.zero,
         zero_std=None if known is None else known.zero_std,
-        noise=None if known is None else known.noise,
+        noise=None if read is None or known is None else read.own_noise(known.noise),
         delay_s=0.0 if read is None else read.delay.seconds,
         delay_std_s=0.0 if read is None else read.delay.std,
         notes=recording.notes + _said(part, posterior),
         compliance=shared.compliance if recording.file.use == "fit" else None,
         sighting=Sighting(
-            part.sights, part.frame, posterior.state, posterior.covariance, cut.coarse
+            part.sights, part.frame, posterior.state, posterior.with_doubt(_BETWEEN), cut.coarse
         ),
         learned=shared.learned,
     )
@@ -239,6 +245,7 @@ def _posterior(
     sensed: Sensed | None,
     sensors: RecordedSensors,
     start: Floats | None,
+    group: int | None,
 ) -> Posterior:
     """Shapes of all rows, by bodies and readings."""
     n = len(sensors.names)
@@ -249,6 +256,8 @@ def _posterior(
     lengths = np.where(usable, part.lengths(n), np.nan)
     at = replace(shared.found, gain=sensed.gain, zero=sensed.zero[None])
     begin, turns = (part.state, _TURNS) if start is None else (start, _TURNS_ANEW)
+    # Without a block nobody asks how sure the shapes are.
+    doubt = shared.doubt_of(group, sensed.zero_std) if start is None else None
     found = []
     for rows in _pieces(len(part.sights)):
         seen = Lengths(
@@ -262,10 +271,12 @@ def _posterior(
             noise=np.where(usable, sensed.noise, 1.0),
         )
         sight = partial(evidence, part.sights.rows(rows), part.frame)
-        found.append(shapes(sight, shared.model, seen, at, begin[rows], turns))
+        found.append(shapes(sight, shared.model, seen, at, begin[rows], turns, doubt))
+    doubts = [some.doubt for some in found if some.doubt is not None]
     return Posterior(
         np.concatenate([some.state for some in found]),
         np.concatenate([some.covariance for some in found]),
+        np.concatenate(doubts) if doubts else None,
     )
 
 

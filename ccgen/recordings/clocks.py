@@ -25,6 +25,11 @@ _OUTLIER = 3.0
 """Residuals beyond so many standard deviations are left out."""
 _WIDEST_GAP = 5.0
 """Median steps between readings across which there is no interpolation."""
+_JUMP = 20.0
+"""Times the usual change of slope from row to row, beyond which it jumps: nothing lies between the
+rows, as where a recording was cut."""
+_LEAST_JUMP = 0.02
+"""Share of the range of values that such a change is at least."""
 _CERTAIN = 2.0
 """Standard deviations that a delay differs from 0 by, to count on a common clock."""
 
@@ -38,31 +43,91 @@ class Delay:
     """0 where it is stated."""
 
 
-def sampled(t: Floats, values: Floats, at: Floats) -> Floats:
+def sampled(t: Floats, values: Floats, at: Floats, stands_for: Floats | None = None) -> Floats:
     """Values at other times, linear between rows, shape (len(at), n).
 
     Args:
         t: of the rows, shape (N,), seconds, never running back.
         values: shape (N, n); NaN where there is none.
         at: times, shape (K,).
+        stands_for: times on the same clock that the values are to be taken for, shape (K,).
 
     Returns:
-        NaN outside the rows, next to a missing value, and across gaps.
+        NaN outside the rows, next to a missing value, across gaps and jumps, and where
+        a jump lies between a time and the one that it stands for.
     """
     if at is t or np.array_equal(at, t):
         return values
     steps = np.diff(t)
-    right = np.clip(np.searchsorted(t, at), 1, len(t) - 1)
-    left = right - 1
-    step = steps[left]
-    share = np.where(step > 0, (at - t[left]) / np.where(step > 0, step, 1.0), 1.0)
+    left, share = _between(t, at)
+    right, step = left + 1, steps[left]
     inside = (at >= t[0]) & (at <= t[-1])
     usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
     inside &= (step <= _WIDEST_GAP * usual) | (share == 0) | (share == 1)
     low, high = values[left], values[right]
     mixed = (1 - share)[:, None] * low + share[:, None] * high
     mixed = np.where((share == 0)[:, None], low, np.where((share == 1)[:, None], high, mixed))
-    return np.asarray(np.where(inside[:, None], mixed, np.nan))
+    cut = _cut(t, values, at, at if stands_for is None else stands_for)
+    return np.asarray(np.where(inside[:, None] & ~cut, mixed, np.nan))
+
+
+def averaged(t: Floats, at: Floats) -> float:
+    """Share of the variance of white noise that values at other times keep, 1/2 to 1.
+
+    Arguments as of `sampled`: a value between two rows is a mean of both.
+    """
+    if at is t or np.array_equal(at, t):
+        return 1.0
+    _, share = _between(t, at)
+    share = share[(at >= t[0]) & (at <= t[-1])]
+    return float(np.mean(np.square(share) + np.square(1 - share))) if len(share) else 1.0
+
+
+def white_noise(values: Floats) -> Floats:
+    """Noise by how values of rows that follow each other differ, shape (n,); 0 where none do."""
+    changes = np.diff(values, n=2, axis=0)
+    found = np.zeros(values.shape[1])
+    for j, column in enumerate(changes.T):
+        known = column[~np.isnan(column)]
+        if len(known):
+            found[j] = 1.4826 * float(np.median(np.abs(known))) / np.sqrt(6.0)
+    return found
+
+
+def _between(t: Floats, at: Floats) -> tuple[NDArray[np.intp], Floats]:
+    """The row before each time, and the share of the step from there that has passed."""
+    left = np.clip(np.searchsorted(t, at), 1, len(t) - 1) - 1
+    step = np.diff(t)[left]
+    share = np.where(step > 0, (at - t[left]) / np.where(step > 0, step, 1.0), 1.0)
+    return left, np.asarray(share)
+
+
+def _cut(t: Floats, values: Floats, one: Floats, other: Floats) -> NDArray[np.bool_]:
+    """Whether a jump lies in between of two times, shape (K, n)."""
+    low, high = np.minimum(one, other), np.maximum(one, other)
+    jump = _jumps(values)
+    found = np.zeros((len(one), values.shape[1]), dtype=np.bool_)
+    for j, own in enumerate(jump.T):
+        at = np.flatnonzero(own[:-1] & own[1:])
+        begun, ended = (
+            np.searchsorted(t[at], high, "left"),
+            np.searchsorted(t[at + 1], low, "right"),
+        )
+        found[:, j] = begun > ended
+    return found
+
+
+def _jumps(values: Floats) -> NDArray[np.bool_]:
+    """Where the slope changes far more than it does elsewhere, shape of `values`."""
+    found = np.zeros(values.shape, dtype=np.bool_)
+    bends = np.abs(np.diff(values, n=2, axis=0))
+    for j, bend in enumerate(bends.T):
+        known = values[~np.isnan(values[:, j]), j]
+        least = _LEAST_JUMP * float(np.ptp(known)) if len(known) else 0.0
+        usual = bend[bend > 1e-6 * least]
+        if len(usual):
+            found[1:-1, j] = bend > max(_JUMP * float(np.median(usual)), least)
+    return found
 
 
 def estimated_delay(t: Floats, expected: Floats, read_at: Floats, lengths: Floats) -> Delay | None:

@@ -164,7 +164,7 @@ def _reference(part: _Part, sensed: Sensed | None) -> Reference:
         gain_std=None if sensed is None else sensed.gain_std,
         zero=None if sensed is None else sensed.zero,
         zero_std=None if sensed is None else sensed.zero_std,
-        noise=None if sensed is None else sensed.noise,
+        noise=None if read is None or sensed is None else read.own_noise(sensed.noise),
         delay_s=0.0 if read is None else read.delay.seconds,
         delay_std_s=0.0 if read is None else read.delay.std,
         notes=recording.notes + _said(part),

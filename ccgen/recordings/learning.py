@@ -55,6 +55,7 @@ class Learned:
     Attributes:
         model: how shapes come about.
         found: compliances, sizes, gains and zeros.
+        covariance: of them, in their order.
         spread: their standard deviations.
         curvature: of what was minimised, by theta of `Likelihood`.
         noise: of each sensor, shape (n,), metres.
@@ -65,6 +66,7 @@ class Learned:
 
     model: Model
     found: Parameters
+    covariance: Floats
     spread: Parameters
     curvature: Floats
     noise: Floats
@@ -123,12 +125,13 @@ def learn(
         for _ in range(_NOISE_TURNS):
             noise = _noise(seen, likelihood.parameters(theta), posterior, noise)
     found = likelihood.parameters(theta)
-    curvature = likelihood.curvature(theta) if before is None else before.curvature
-    deviation = np.sqrt(np.diag(np.linalg.inv(curvature)))
+    curvature = likelihood.thinned.curvature(theta) if before is None else before.curvature
+    covariance = likelihood.covariance(curvature)
     return Learned(
         model=model,
         found=found,
-        spread=likelihood.spread(np.asarray(deviation)),
+        covariance=covariance,
+        spread=likelihood.named(np.sqrt(np.diag(covariance))),
         curvature=curvature,
         noise=noise,
         posterior=posterior,
@@ -144,6 +147,7 @@ def shapes(
     at: Parameters,
     start: Floats,
     turns: int,
+    doubt: Floats | None = None,
 ) -> Posterior:
     """Most probable shapes of rows under what was learned of their joint.
 
@@ -154,10 +158,15 @@ def shapes(
         at: what was learned; its zeros are those of the groups of `seen`.
         start: states to begin with, shape (N, p).
         turns: times that shapes and trust follow each other.
+        doubt: covariance of what was learned, in its order, for what it adds to that of the shapes.
     """
     state = states(sight, model, seen, at, start, turns - 1)
     weight = _weight(seen, at, state, seen.noise)
-    return Likelihood(model, seen, sight(state), weight, 1.0).posterior_at(at)
+    likelihood = Likelihood(model, seen, sight(state), weight, 1.0)
+    posterior = likelihood.posterior_at(at)
+    if doubt is None:
+        return posterior
+    return replace(posterior, doubt=likelihood.doubt(at, doubt))
 
 
 def states(

@@ -9,7 +9,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.recordings.clocks import Delay, counts_as_none, estimated_delay, sampled
+from ccgen.recordings.clocks import (
+    Delay,
+    averaged,
+    counts_as_none,
+    estimated_delay,
+    sampled,
+    white_noise,
+)
 from ccgen.recordings.recording import Recording
 from ccgen.recordings.sensors import RecordedSensors
 
@@ -34,6 +41,13 @@ class Read:
     """Number of counts left out for each sensor because they stick, shape (n,)."""
     names: tuple[str, ...]
     """Of the sensors."""
+    lost: Floats
+    """Variance of the readings' noise that `lengths` have lost as means of rows, shape (n,)."""
+
+    def own_noise(self, noise: Floats) -> Floats:
+        """Noise of a single reading where that of `lengths` is known, shape (n,), metres."""
+        # What differs from row to row may be motion, but noise is no more than all that is left.
+        return np.asarray(np.sqrt(np.square(noise) + np.minimum(self.lost, np.square(noise))))
 
     def notes(self, source: str) -> tuple[str, ...]:
         """What a reader of results should know of the readings, a line each."""
@@ -72,7 +86,10 @@ def read_lengths(
     stuck = _stuck(counts.values, lengths, sampled(recording.t, expected, counts.t - delay.seconds))
     lengths = np.where(stuck, np.nan, lengths)
     at = recording.t + delay.seconds if delay.seconds else recording.t
-    return Read(sampled(counts.t, lengths, at), delay, stuck.sum(axis=0), sensors.names)
+    lost = np.square(white_noise(lengths)) * (1 - averaged(counts.t, at))
+    # Where a common clock was cut, readings that lag are those of another time.
+    own = recording.t if counts.t is recording.t else None
+    return Read(sampled(counts.t, lengths, at, own), delay, stuck.sum(axis=0), sensors.names, lost)
 
 
 def _delay(recording: Recording, lengths: Floats, expected: Floats) -> Delay:

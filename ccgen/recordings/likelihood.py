@@ -11,7 +11,7 @@ and A^-1 and w = A^-1 c are the covariance and the mean of its coordinates. (Ras
 "Gaussian processes for machine learning", 2006, sections 2.1 and 5.4.)
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,6 +24,8 @@ Indices = NDArray[np.intp]
 
 SIZE_STD = 2.0
 """Standard deviation of the logarithm of a size."""
+_CURVED = 100
+"""Rows that tell how sharply the likelihood falls off."""
 _STEP = 1e-3
 """Of theta, for differences of the gradient."""
 
@@ -84,10 +86,17 @@ class Posterior:
     Attributes:
         state: means, shape (N, p).
         covariance: shape (N, p, p).
+        doubt: what adds to it since the parameters are not certain, shape (N, p, p); None where
+            it was not asked for.
     """
 
     state: Floats
     covariance: Floats
+    doubt: Floats | None = None
+
+    def with_doubt(self, share: float = 1.0) -> Floats:
+        """Covariance and a share of the doubt, shape (N, p, p)."""
+        return self.covariance if self.doubt is None else self.covariance + share * self.doubt
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,9 +141,13 @@ class Likelihood:
         return np.asarray(np.divide(moved, std, out=np.zeros_like(moved), where=std > 0))
 
     def spread(self, theta: Floats) -> Parameters:
-        """By how much theta differs from 0, or its standard deviations, in parameters."""
+        """By how much theta differs from 0, in parameters."""
+        return self.named(theta * self._prior_std)
+
+    def named(self, values: Floats) -> Parameters:
+        """A number for each parameter, in their order."""
         ends = np.cumsum([len(self.model.compliance_std), self.model.sizes, len(self.seen.gain)])
-        soft, large, gain, zero = np.split(theta * self._prior_std, ends)
+        soft, large, gain, zero = np.split(values, ends)
         return Parameters(soft, large, gain, zero.reshape(self.seen.zero.shape))
 
     def value_and_gradient(self, theta: Floats) -> tuple[float, Floats]:
@@ -195,6 +208,55 @@ class Likelihood:
         information, potential, _ = self._known(at)
         return T, np.eye(T.shape[1]) + T.T @ information @ T, potential @ T
 
+    def doubt(self, at: Parameters, of: Floats) -> Floats:
+        """What not knowing parameters adds to the covariance of shapes, to first order, (N, p, p).
+
+        With x = (1 / (T T') + F)^-1 b, x changes by (1 - P F) dT w + P dT' / T' (b - F x).
+
+        Args:
+            at: the parameters, of one group of rows.
+            of: their covariance, in the order of `Parameters`.
+        """
+        model, H = self.model, self.seen.matrix
+        T = model.transform(at.log_compliance, at.log_size)
+        information, potential, residual = self._known(at)
+        coordinates = T @ np.linalg.inv(np.eye(T.shape[1]) + T.T @ information @ T)
+        P = coordinates @ T.T
+        x = (P @ potential[..., None])[..., 0]
+        left = potential - (information @ x[..., None])[..., 0]
+        w = left @ T
+        by_state = (np.eye(len(T)) - P @ information) * x[:, None] + P * left[:, None]
+        by_coordinate = 2 * coordinates * w[:, None]
+        by_length = P @ H.T
+        off = self.weight * (residual - 2 * at.gain * (x @ H.T))
+        by = np.concatenate(
+            [
+                by_state @ _members(model.compliance, len(model.compliance_std)),
+                by_coordinate @ _members(model.size, model.sizes),
+                by_length * off[:, None],
+                -by_length * (self.weight * at.gain)[:, None],
+            ],
+            axis=2,
+        )
+        return np.asarray(by @ of @ np.swapaxes(by, 1, 2))
+
+    def covariance(self, curvature: Floats) -> Floats:
+        """Of the parameters, in the order of `Parameters`, by the curvature where they are."""
+        return np.asarray(np.linalg.inv(curvature) * np.outer(self._prior_std, self._prior_std))
+
+    @property
+    def thinned(self) -> "Likelihood":
+        """Some of the rows, each counting for several, which tell the curvature as well."""
+        every = max(1, len(self.weight) // _CURVED)
+        seen, known, some = self.seen, self.evidence, slice(None, None, every)
+        return replace(
+            self,
+            seen=replace(seen, length=seen.length[some], group=seen.group[some]),
+            evidence=Evidence(known.information[some], known.potential[some]),
+            weight=self.weight[some],
+            share=self.share * len(self.weight) / len(self.weight[some]),
+        )
+
     def curvature(self, theta: Floats) -> Floats:
         """Second derivative by theta, by differences of the gradient, nowhere below the prior's."""
         rows = [
@@ -228,6 +290,11 @@ class Likelihood:
                 self.seen.zero_std.reshape(-1),
             ]
         )
+
+
+def _members(number: Indices, count: int) -> Floats:
+    """Which values each parameter multiplies, shape (values, count)."""
+    return np.asarray(number[:, None] == np.arange(count), dtype=np.float64)
 
 
 def _gathered(number: Indices, values: Floats, count: int) -> Floats:

@@ -82,6 +82,7 @@ class Shared:
         compliance: of equal parts of the joint from its base, natural logarithms, and their
             standard deviations, shape (2, parts); None where it was not learned.
         learned: where all this comes from; None where there was nothing to learn from.
+        doubt: covariance of what was found, in its order; None where it is not known.
     """
 
     model: Model
@@ -90,6 +91,26 @@ class Shared:
     second_moment: Floats
     compliance: Floats | None = None
     learned: Learned | None = None
+    doubt: Floats | None = None
+
+    def doubt_of(self, group: int | None, zero_std: Floats) -> Floats | None:
+        """Covariance of compliances, sizes, gains, and zeros of one recording.
+
+        Args:
+            group: number of the recording; None for one that was not learned from.
+            zero_std: of its zeros then, shape (n,), metres.
+        """
+        if self.doubt is None:
+            return None
+        n = self.found.zero.shape[1]
+        common = len(self.doubt) - self.found.zero.size
+        whole = np.zeros((common + n, common + n))
+        if group is None:
+            whole[:common, :common] = self.doubt[:common, :common]
+            whole[common:, common:] = np.diag(np.square(zero_std))
+            return whole
+        own = np.r_[0:common, common + group * n : common + (group + 1) * n]
+        return np.asarray(self.doubt[np.ix_(own, own)])
 
     @property
     def transform(self) -> Floats:
@@ -158,7 +179,8 @@ def _shared(
     if len(sections) == 1:
         compliance = np.stack([learned.found.log_compliance, learned.spread.log_compliance])
         known = compliance if compliance.size else None
-        return Shared(model, learned.found, calibration, moment, known, learned)
+        told = learned.covariance
+        return Shared(model, learned.found, calibration, moment, known, learned, told)
     # Sections that happened to bend alike may bend otherwise in other rows.
     T = model.transform(learned.found.log_compliance, learned.found.log_size)
     free = fixed_model(sections_apart(T @ T.T, sections))

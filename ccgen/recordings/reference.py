@@ -27,8 +27,8 @@ class Reference:
         dense: whether segment angles were recorded, rather than bodies.
         state: most probable u, v, h of each row, shape (N, 2m + S), radians and shares of the
             length; NaN where not known.
-        covariance: of the states if what was learned is right, shape (N, 2m + S, 2m + S); None
-            where dense.
+        covariance: of the states, with what is not known of what all rows share, shape
+            (N, 2m + S, 2m + S); None where dense.
         second_moment: of the states about zero, shape (2m + S, 2m + S).
         lengths: of the sensors from count 0 on at nominal gain, laid on the reference's clock,
             shape (N, n), metres; NaN where missing, stuck, or at the end of their range; None

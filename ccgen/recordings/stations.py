@@ -46,7 +46,7 @@ class Sighting:
         sights: the bodies.
         frame: from where they were recorded to the joint.
         state: most probable, twist included, shape (N, p).
-        covariance: of that, shape (N, p, p).
+        covariance: of that, as it counts for bends between stations, shape (N, p, p).
         geometry: of the joint as estimates know it; `state` may be of finer segments.
     """
 
