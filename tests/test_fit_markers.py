@@ -8,6 +8,7 @@ import pytest
 from test_recordings_bodies import KEYS, STATIONS, STRAIGHT, M, joint, written
 
 import ccgen
+from ccgen.cli.fit_output import show_fit
 from ccgen.estimation.fit import fit_task
 from ccgen.fixedpoint.kept import kept_fit, rounded, write_fit
 from ccgen.kinematics.stations import places, seen_from_base
@@ -86,7 +87,7 @@ def test_gains_from_markers_and_counts_go_into_the_exported_weights(counted):
     )
 
 
-def test_markers_tell_where_the_joint_is_stiff(counted):
+def test_markers_tell_where_the_joint_is_stiff(counted, capsys):
     _, fitted = counted
     told = fitted.found.stiffness
     assert np.mean(told.profile) == pytest.approx(1.0)
@@ -97,6 +98,15 @@ def test_markers_tell_where_the_joint_is_stiff(counted):
     values = tomllib.loads(line)["stiffness_profile"]
     assert values == pytest.approx(told.profile, abs=0.006)
     assert sure.count(",") == len(values) - 1
+    show_fit(fitted, {})
+    assert "shapes alone do not tell loads.stiffness" in capsys.readouterr().out
+
+
+def test_the_stiffness_profile_is_kept_with_the_fit(counted):
+    _, fitted = counted
+    kept = json.loads(write_fit(rounded(fitted)).read_text())["stiffness_profile"]
+    assert kept["profile"] == pytest.approx(fitted.found.stiffness.profile, rel=1e-11)
+    assert kept["std"] == pytest.approx(fitted.found.stiffness.std, rel=1e-11)
 
 
 def test_stations_are_kept_with_the_fit(counted):

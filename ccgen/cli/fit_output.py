@@ -50,6 +50,12 @@ def _show_stiffness(fit: "Fit") -> None:
         line, sure = told.lines
         results().print(f"The recordings tell, for [loads] ({sure}):", soft_wrap=True)
         results().print(line, soft_wrap=True)
+        results().print(_ONLY_RATIOS, soft_wrap=True)
+
+
+_ONLY_RATIOS = (
+    "These are ratios: shapes alone do not tell loads.stiffness, which takes forces that are known."
+)
 
 
 def show_fit(fit: "Fit", axes: Figures) -> None:

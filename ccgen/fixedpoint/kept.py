@@ -176,7 +176,17 @@ def _record(fit: Fit) -> dict[str, Any]:
         "checks": [asdict(row) for row in fit.checks.sensors],
         "unchecked": list(fit.checks.notes),
         "warnings": list(fit.warnings),
+        **_stiffness(fit),
     }
+
+
+def _stiffness(fit: Fit) -> dict[str, Any]:
+    """The stiffness profile that recordings told, for people and programs that open the file."""
+    told = None if fit.found is None else fit.found.stiffness
+    if told is None:
+        return {}
+    numbers = {name: [_short(value) for value in values] for name, values in asdict(told).items()}
+    return {"stiffness_profile": numbers}
 
 
 def _some(state: Floats) -> list[int]:
