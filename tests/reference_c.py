@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ccgen.fixedpoint import AxisModel
+from ccgen.fixedpoint.fallback import Fallbacks
 from ccgen.fixedpoint.model import SensorRanges
 from ccgen.targets.exported import open_exported
 
@@ -11,7 +12,10 @@ from ccgen.targets.exported import open_exported
 def reference(folder: Path) -> str:
     """Axes and sensors of the model: the text of fuzz_reference.h."""
     exported = open_exported(folder)
-    axes = ", ".join(map(_axis, exported.model.axes.values()))
+    axes = ", ".join(
+        _axis(axis, exported.guarded.fallbacks.get(name))
+        for name, axis in exported.model.axes.items()
+    )
     sensors = ", ".join(_sensors(exported.model.readings, exported.layout.missing_bits))
     return (
         f"static const reference_t reference[] = {{{axes}}};\n"
@@ -19,10 +23,14 @@ def reference(folder: Path) -> str:
     )
 
 
-def _axis(model: AxisModel) -> str:
+def _axis(model: AxisModel, fallbacks: Fallbacks | None) -> str:
+    rows = [None] * model.sensors if fallbacks is None else fallbacks.rows
     fields = [str(n) for n in (model.first, model.sensors, model.segments, model.shift)]
     fields.append(_numbers(model.bias))
-    fields.append(f"{{{', '.join(map(_numbers, model.weights))}}}")
+    fields.append(_table(model.weights))
+    fields.append(str("uvh".index(model.axis)))
+    fields.append(f"{{{', '.join('false' if one is None else 'true' for one in rows)}}}")
+    fields.append(f"{{{', '.join('{{0}}' if one is None else _table(one) for one in rows)}}}")
     return f"{{{', '.join(fields)}}}"
 
 
@@ -34,6 +42,10 @@ def _sensors(readings: SensorRanges, bits: Iterable[int]) -> Iterable[str]:
         ranges += [relative.zero_minimum, relative.zero_maximum]
     for j, bit in enumerate(bits):
         yield f"{_numbers(values[j] for values in ranges)[:-1]}, {bit}}}"
+
+
+def _table(rows: Iterable[Iterable[int]]) -> str:
+    return f"{{{', '.join(map(_numbers, rows))}}}"
 
 
 def _numbers(values: Iterable[int]) -> str:

@@ -46,7 +46,7 @@ def folder(tmp_path_factory):
 def stream(folder):
     exported = open_exported(folder)
     library = score_library(exported.joint)
-    return simulated_stream(exported.joint, exported.model, library, "cases", 0.5, 100.0)
+    return simulated_stream(exported.joint, exported.guarded, library, "cases", 0.5, 100.0)
 
 
 def answer_to(stream, index, lost_frames=0):
@@ -143,7 +143,7 @@ def test_a_path_that_is_nothing_is_bad_input(tmp_path, capsys):
 
 
 def test_the_load_cases_are_followed_as_closely_as_the_fit_promises(stream):
-    exported = (stream.joint, stream.model)
+    exported = (stream.joint, stream.guarded)
     round_trip = simulated_stream(*exported, score_library(stream.joint), "cases", 10.0, 20.0)
     errors = [
         round_trip.error_percent_rom(answer_to(round_trip, k))["u"]
@@ -211,7 +211,7 @@ def test_faults_reach_the_node_and_the_model_alike(folder, capsys):
     assert summary["error_percent_rom"]["u"]["mean"] > 0
     exported = open_exported(folder)
     sent = simulated_stream(
-        exported.joint, exported.model, score_library(exported.joint), "cases", 0.5, 100.0
+        exported.joint, exported.guarded, score_library(exported.joint), "cases", 0.5, 100.0
     ).counts
     for index, row in rows.items():
         lost, stuck, off = index >= 20, index >= 10, index >= 30

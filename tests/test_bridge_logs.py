@@ -119,7 +119,7 @@ def test_ten_thousand_snapshots_come_back_the_same(exported, library, tmp_path, 
     assert sent_again(exported.directory, path, first, "--speed", "max") == 0
     replay = logged_counts(read_frames(first), exported.codec, exported.fingerprint, first)
     np.testing.assert_array_equal(replay.counts, counts)
-    stream = replayed_stream(exported.joint, exported.model, "log", replay, in_time=False)
+    stream = replayed_stream(exported.joint, exported.guarded, "log", replay, in_time=False)
     answers = []
     with library_node(library, exported.layout) as bus, frame_log(second) as log:
         summary = bridge(bus, exported.codec, stream, "virtual", answers.append, log)
@@ -282,5 +282,5 @@ def test_an_empty_log_is_whole_but_holds_nothing(exported, tmp_path):
 
 def test_the_simulated_stream_still_knows_the_true_shape(exported):
     library = score_library(exported.joint)
-    stream = simulated_stream(exported.joint, exported.model, library, "cases", 0.1, 100.0)
+    stream = simulated_stream(exported.joint, exported.guarded, library, "cases", 0.1, 100.0)
     assert set(stream.true_values(3)) == {"u", "v"}

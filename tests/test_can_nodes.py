@@ -25,6 +25,7 @@ from ccgen.can.transports.library import library_node
 from ccgen.can.transports.process import process_node
 from ccgen.errors import ToolError
 from ccgen.export.package import export
+from ccgen.fixedpoint.guarded import DEGRADED, GOOD, LOST
 from ccgen.kinematics import tip_pose
 from ccgen.sensing.counts import corner_counts, random_counts
 from ccgen.targets.compiler import sources
@@ -106,17 +107,23 @@ def test_the_tip_is_where_the_angles_put_it(built, kind):
     assert np.abs(metres - true).max() <= 0.6 * 2.0**-exported.layout.tip_fraction_bits
 
 
-def test_a_count_out_of_range_gives_no_reading_and_names_the_sensor(built):
+@pytest.mark.parametrize(("out", "state"), [([3], DEGRADED), ([2, 3], LOST)])
+def test_counts_out_of_range_degrade_or_lose_their_axis_alone(built, out, state):
     model, codec = built.exported.model, built.exported.codec
-    counts = np.array([[0, 0, 0, 0], [0, 0, 0, model.v.maximum[1] + 1], [0, 0, 0, 0]])
+    counts = np.full((3, 4), 7)
+    counts[1, out] = model.v.maximum[1] + 1
     with library_node(built.library, built.exported.layout) as bus:
         result = exchange(bus, codec, counts, Pace(in_flight=1, timeout=PATIENCE))
+    followed = built.exported.guarded.follow(counts)
     assert result.lost_frames == 0
-    assert (result.angles[1] == -(2 ** (model.precision - 1))).all()
-    assert (result.tips[1] == -32768).all()
-    np.testing.assert_array_equal(result.angles[[0, 2]], model.estimate(counts[[0, 2]]))
+    assert followed.states.tolist() == [[GOOD, GOOD], [GOOD, state], [GOOD, GOOD]]
+    np.testing.assert_array_equal(result.angles, followed.values)
+    u, v = np.split(result.angles, 2, axis=1)
+    assert (u == u[0]).all()
+    assert ((v[1] == -(2 ** (model.precision - 1))).all()) == (state == LOST)
+    assert ((result.tips[1] == -32768).all()) == (state == LOST)
     reported = [s for s in result.statuses if s.missing_sensors]
-    assert {s.missing_sensors for s in reported} == {1 << 9}
+    assert {s.missing_sensors for s in reported} == {sum(1 << 6 + j for j in out)}
     assert reported[0].faults & ~STALE == 1 << FAULTS.index("MISSING")
 
 

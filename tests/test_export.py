@@ -236,10 +236,14 @@ export(pathlib.Path({str(joint)!r}), pathlib.Path({str(tmp_path / "out")!r}))
         assert sorted(p.name for p in tmp_path.iterdir()) == ["finger.toml", "out"]
 
 
-def test_drawn_counts_cover_the_range_and_its_ends(exported):
+def test_drawn_counts_cover_the_range_and_its_ends_but_for_those_lost(exported):
     model = load_model(exported / "finger" / "model.json")
     drawn = vectors.block(model, seed=7, snapshots=4000)
-    for values in (drawn.counts, drawn.zeros):
+    lost = drawn.counts == -(2 ** (model.precision - 1))
+    for number, share in ((0, 0.5), (1, 0.3), (2, 0.15)):
+        assert (lost.sum(axis=1) == number).mean() == pytest.approx(share, abs=0.05)
+    readings = np.ma.masked_array(drawn.counts, lost)
+    for values in (readings, drawn.zeros):
         low = np.concatenate([model.u.minimum, model.v.minimum])
         high = np.concatenate([model.u.maximum, model.v.maximum])
         assert np.array_equal(values.min(axis=0), low)

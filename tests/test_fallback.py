@@ -81,7 +81,7 @@ def test_an_axis_of_one_sensor_has_no_fallback():
 def test_fallbacks_of_the_examples_fit_the_format_of_their_own_weights(name):
     fit = ccgen.fit(ccgen.load(EXAMPLES / f"{name}.toml"))
     for axis in fit.joint.axes:
-        model, found = fit.model.axis(axis), tables(fit, axis)
+        model, found = fit.plain.axis(axis), tables(fit, axis)
         assert len(found.rows) == model.sensors
         for j, rows in enumerate(found.rows):
             assert not rows[:, j].any()
@@ -92,7 +92,7 @@ def test_fallbacks_of_the_examples_fit_the_format_of_their_own_weights(name):
 def test_the_weights_of_the_examples_keep_their_bits_beside_fallbacks(name):
     fit = ccgen.fit(ccgen.load(EXAMPLES / f"{name}.toml"))
     for axis in fit.joint.axes:
-        alone, beside = fit.model.axis(axis), serving(fit, axis).model
+        alone, beside = fit.plain.axis(axis), serving(fit, axis).model
         assert np.array_equal(beside.weights, alone.weights)
         assert (beside.shift, beside.fraction_bits) == (alone.shift, alone.fraction_bits)
 
@@ -119,7 +119,7 @@ def test_holding_weights_to_the_format_costs_little(name):
     rom = fit.joint.geometry.range_of_motion
     counts = counts_of(fit.joint, fit.shapes)
     for axis in fit.joint.axes:
-        model, found = fit.model.axis(axis), tables(fit, axis)
+        model, found = fit.plain.axis(axis), tables(fit, axis)
         own = fit.joint.own(axis)
         actual = fit.shapes.state[:, fit.joint.rows(axis)]
         for j in range(model.sensors):
@@ -134,7 +134,7 @@ def test_holding_weights_to_the_format_costs_little(name):
 
 def test_a_mask_chooses_the_rows_and_two_absent_lose_the_axis():
     fit = fitted()
-    model, found = fit.model.axis("u"), tables(fit, "u")
+    model, found = fit.plain.axis("u"), tables(fit, "u")
     differences = np.array([[100, -200, 300]] * 5)
     absent = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 1], [1, 1, 1]], bool)
     values = served(model, found.rows, differences, absent)
@@ -149,14 +149,14 @@ def test_a_mask_chooses_the_rows_and_two_absent_lose_the_axis():
 
 
 def test_without_rows_a_lost_sensor_loses_the_axis():
-    model = fitted().model.axis("u")
+    model = fitted().plain.axis("u")
     absent = np.array([[False, True, False]])
     assert (served(model, (), np.zeros((1, 3), int), absent) == -(2**15)).all()
 
 
 def test_what_stands_at_an_absent_sensor_is_not_read():
     fit = fitted()
-    model, found = fit.model.axis("u"), tables(fit, "u")
+    model, found = fit.plain.axis("u"), tables(fit, "u")
     absent = np.array([[False, True, False]])
     values = [
         served(model, found.rows, np.array([[50, count, -70]]), absent) for count in (0, 12345)
@@ -177,7 +177,7 @@ def test_held_weights_keep_their_limit_and_leave_the_others_free():
 
 def test_weights_beyond_the_format_are_refused():
     fit = fitted()
-    model = fit.model.axis("u")
+    model = fit.plain.axis("u")
     gains = np.full((12, 3), 2.0**-3)
     with pytest.raises(ValueError, match="does not fit the format"):
         fallbacks(model, [gains, None, None])

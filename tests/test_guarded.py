@@ -117,7 +117,7 @@ def test_without_fallbacks_a_lost_sensor_loses_its_axis():
     found = fit.guarded.follow(lost)
     assert found.states.tolist() == [[LOST, GOOD]]
     assert fit.guarded.flash_bytes == 0
-    assert np.array_equal(fit.guarded.model.u.weights, fit.model.u.weights)
+    assert np.array_equal(fit.guarded.model.u.weights, fit.plain.u.weights)
 
 
 def test_flash_of_the_fallbacks_is_that_of_their_rows():

@@ -329,21 +329,27 @@ def test_a_restart_without_silence_is_old_until_the_numbers_are_forgotten(
     assert summary["mismatches"] == 0
 
 
-def test_a_sensor_without_a_reading_is_named(joint, tmp_path, capsys):
+@pytest.mark.parametrize("lost", [[1], [0, 1]])
+def test_a_sensor_without_a_reading_is_named(lost, joint, tmp_path, capsys):
     kept = joint.counts
     joint.counts = kept.copy()
-    joint.counts[VICTIM, 1] = joint.layout.frames_of("lengths")[0].payload[1].no_reading
+    joint.counts[VICTIM, lost] = joint.layout.frames_of("lengths")[0].payload[1].no_reading
+    told = joint.exported.guarded.follow(joint.counts[[VICTIM]]).values[0]
     frames = joint.answered(joint.plan())
     joint.counts = kept
     lines, summary = watched(joint, frames, tmp_path, capsys)
     assert faults(lines) == {30: ["missing"]}
     victim = lines[VICTIM]
-    assert victim["missing"] == ["u1"]
+    assert victim["missing"] == [f"u{j}" for j in lost]
     assert victim["counts"] == [
-        None if j == 1 else count for j, count in enumerate(joint.counts[VICTIM].tolist())
+        None if j in lost else count for j, count in enumerate(joint.counts[VICTIM].tolist())
     ]
-    assert victim["angles_deg"] == {axis: [None] * 12 for axis in "uv"}
-    assert victim["tip_m"] == [None] * 3
+    angles = joint.exported.model.split(told)
+    for axis in "uv":
+        known = np.degrees(joint.exported.model.axis(axis).radians(angles[axis]))
+        gone = axis == "u" and len(lost) > 1
+        assert victim["angles_deg"][axis] == ([None] * 12 if gone else pytest.approx(known))
+    assert (None in victim["tip_m"]) == (len(lost) > 1)
     check_good(joint, lines, but=[30])
     assert summary["node_faults"] == ["MISSING"]
     assert summary["mismatches"] == 0
@@ -570,7 +576,7 @@ def test_the_live_table_shows_the_snapshot_and_every_frame(classic):
     from rich.console import Console
 
     exported = classic.exported
-    watch = Monitor(exported.model, exported.codec, exported.fingerprint)
+    watch = Monitor(exported.guarded, exported.codec, exported.fingerprint)
     plan = classic.plan()
     wrong_crc(classic, plan)
     seen = [one for m in classic.answered(plan) for one in watch.take(m)]

@@ -165,12 +165,11 @@ def test_health_follows_the_axes_of_the_latest_snapshot():
     node.send(REST)
     node.now += SECOND // 10
     assert (node.health().axis_u, node.health().axis_v, node.c.zero_axes(node.state)) == (0, 0, 0)
-    node.send((-2001, 0, 0, 0))
-    node.now += SECOND // 10
-    health = node.health()
-    lost = node.c.zero_axes(node.state)
-    assert (lost & 3, lost >> 2 & 3) == (health.axis_u, health.axis_v)
-    assert health.axis_u == 2
+    for counts, state in (((-2001, 0, 0, 0), 1), ((-2001, 2001, 0, 0), 2), (REST, 0)):
+        node.send(counts)
+        node.now += SECOND // 10
+        health, mask = node.health(), node.c.zero_axes(node.state)
+        assert (mask & 3, mask >> 2 & 3) == (health.axis_u, health.axis_v) == (state, 0)
 
 
 def test_a_health_that_could_not_be_sent_comes_again_under_its_counter():

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import reduce
+from operator import or_
 from typing import Any
 
 import can
@@ -13,10 +15,10 @@ from ccgen.can.exchange import Answer, Exchange, Pace, exchange, fresh_start
 from ccgen.can.fingerprint import fingerprint
 from ccgen.can.layout import FAULTS, FrameLayout, longest, tip_fraction_bits
 from ccgen.can.logs import Log
-from ccgen.can.reference import reference_values
 from ccgen.can.replay import Replay
 from ccgen.errors import InputError
 from ccgen.fixedpoint import FixedPointModel
+from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.joint import AXES, Joint
 from ccgen.sensing.counts import counts as counts_at
 from ccgen.sensing.injected import InjectedFault, with_faults
@@ -34,7 +36,7 @@ class Stream:
     """What is sent: k snapshots at a rate, and the shapes behind them.
 
     Attributes:
-        joint, model: of the exported folder.
+        joint, guarded: of the exported folder.
         source: name of the motion, or the file that is sent again.
         rate_hz: snapshots a second; None for as fast as answers come, or at `times`.
         shapes: true states; None where nobody knows them.
@@ -45,7 +47,7 @@ class Stream:
     """
 
     joint: Joint
-    model: FixedPointModel
+    guarded: GuardedModel
     source: str
     rate_hz: float | None
     shapes: Shapes | None
@@ -53,6 +55,11 @@ class Stream:
     times: Floats | None = None
     first: int | None = None
     faults: tuple[str, ...] = ()
+
+    @property
+    def model(self) -> FixedPointModel:
+        """The axes of the integer reference model."""
+        return self.guarded.model
 
     @property
     def tip_fraction_bits(self) -> int:
@@ -95,7 +102,7 @@ class Stream:
 
 def simulated_stream(
     joint: Joint,
-    model: FixedPointModel,
+    guarded: GuardedModel,
     library: ShapeLibrary,
     source: str,
     seconds: float,
@@ -104,7 +111,7 @@ def simulated_stream(
     """Prepare the snapshots of a simulated motion.
 
     Args:
-        joint, model: of the exported folder.
+        joint, guarded: of the exported folder.
         library: shapes of the joint.
         source: one of `ccgen.sensing.motion.SOURCES`.
         seconds: how long the stream lasts; at least one snapshot is sent.
@@ -112,8 +119,8 @@ def simulated_stream(
     """
     count, period = max(1, round(seconds * rate_hz)), max(1, round(_ROUND_SECONDS * rate_hz))
     shapes = joint_motion(joint, source, library, count, period)
-    counts = counts_at(joint, [group.around() for group in model.groups], shapes)
-    return Stream(joint, model, source, rate_hz, shapes, counts)
+    counts = counts_at(joint, [group.around() for group in guarded.model.groups], shapes)
+    return Stream(joint, guarded, source, rate_hz, shapes, counts)
 
 
 def faulty_stream(
@@ -136,18 +143,18 @@ def faulty_stream(
 
 
 def replayed_stream(
-    joint: Joint, model: FixedPointModel, source: str, replay: Replay, in_time: bool
+    joint: Joint, guarded: GuardedModel, source: str, replay: Replay, in_time: bool
 ) -> Stream:
     """Prepare the snapshots of a file.
 
     Args:
-        joint, model: of the exported folder.
+        joint, guarded: of the exported folder.
         source: how the file is told.
         replay: what it holds.
         in_time: whether they are sent at the file's times; else as fast as answers come.
     """
     times = replay.times if in_time else None
-    return Stream(joint, model, source, None, None, replay.counts, times, replay.first)
+    return Stream(joint, guarded, source, None, None, replay.counts, times, replay.first)
 
 
 @dataclass(frozen=True)
@@ -172,6 +179,8 @@ class Summary:
         faults: names of the faults that the node reported.
         error_percent_rom: per axis, over the answered snapshots with an estimate of it; None
             without any, or without true shapes.
+        degraded_snapshots: answered ones in which some axis is degraded or lost.
+        missing, suspected: names of the sensors that the node ever reported so.
         gone: as of `Exchange`.
         stranger: what tells that the node is of another model; empty where it is not.
         injected: faults that were put into the counts.
@@ -188,6 +197,9 @@ class Summary:
     mismatches: int
     faults: tuple[str, ...]
     error_percent_rom: dict[str, AxisError] | None
+    degraded_snapshots: int = 0
+    missing: tuple[str, ...] = ()
+    suspected: tuple[str, ...] = ()
     gone: str = ""
     stranger: str = ""
     injected: tuple[str, ...] = ()
@@ -233,8 +245,8 @@ def bridge(
             "publish them"
         )
     result = exchange(bus, codec, stream.counts, _pace(stream, codec.layout), on_answer, log)
-    own = fingerprint(stream.model, codec.layout) & 0xFFFF
-    return _summary(stream, transport, result, own)
+    own = fingerprint(stream.guarded, codec.layout) & 0xFFFF
+    return _summary(stream, transport, result, codec.layout, own)
 
 
 def _pace(stream: Stream, layout: FrameLayout) -> Pace:
@@ -243,9 +255,14 @@ def _pace(stream: Stream, layout: FrameLayout) -> Pace:
     return pace if stream.first is None else replace(pace, first=stream.first % layout.numbers)
 
 
-def _summary(stream: Stream, transport: str, result: Exchange, own: int) -> Summary:
+def _summary(
+    stream: Stream, transport: str, result: Exchange, layout: FrameLayout, own: int
+) -> Summary:
     answered = result.complete
-    wanted = reference_values(stream.model, stream.counts[answered])
+    followed = stream.guarded.follow(stream.counts)
+    wanted = followed.values[answered]
+    missing = reduce(or_, (status.missing_sensors for status in result.statuses), 0)
+    suspected = reduce(or_, (health.suspected_sensors for health in result.healths), 0)
     return Summary(
         source=stream.source,
         transport=transport,
@@ -258,6 +275,9 @@ def _summary(stream: Stream, transport: str, result: Exchange, own: int) -> Summ
         mismatches=int(np.count_nonzero(result.angles[answered] != wanted)),
         faults=tuple(name for bit, name in enumerate(FAULTS) if result.faults >> bit & 1),
         error_percent_rom=_errors(stream, result) if answered.any() and stream.shapes else None,
+        degraded_snapshots=int(np.count_nonzero(followed.states[answered].any(axis=1))),
+        missing=layout.sensors_in(missing),
+        suspected=layout.sensors_in(suspected),
         gone=result.gone,
         stranger=result.stranger(own),
         injected=stream.faults,

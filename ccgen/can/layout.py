@@ -171,6 +171,11 @@ class FrameLayout:
         u = sum(name.startswith("u") for name in self.sensors)
         return tuple(j if j < u else _V_BIT + j - u for j in range(len(self.sensors)))
 
+    def sensors_in(self, mask: int) -> tuple[str, ...]:
+        """Names of the sensors in a mask such as `missing_sensors`."""
+        named = zip(self.sensors, self.missing_bits, strict=True)
+        return tuple(name for name, bit in named if mask >> bit & 1)
+
     @property
     def frame_bytes(self) -> int:
         """Length of LENGTHS and ANGLES frames, but for the last of each."""

@@ -18,10 +18,10 @@ import numpy as np
 from ccgen.can.codec import Codec, Decoded, Health, Refused, Status, health_of, status_of
 from ccgen.can.gathering import Fault, Gathered, Gatherer
 from ccgen.can.layout import FAULTS
-from ccgen.can.reference import Comparison, missing_readings
+from ccgen.can.reference import Comparison
 from ccgen.can.seen import FrameStates, Seen, State
 from ccgen.errors import InputError
-from ccgen.fixedpoint import FixedPointModel
+from ccgen.fixedpoint.guarded import GuardedModel
 
 _ORDER = get_args(Fault)
 _OF_THE_MODEL = 0
@@ -57,7 +57,7 @@ class Monitor:
 
     def __init__(
         self,
-        model: FixedPointModel,
+        guarded: GuardedModel,
         codec: Codec,
         fingerprint: int,
         window: float | None = None,
@@ -65,12 +65,12 @@ class Monitor:
         """Begin with nothing seen.
 
         Args:
-            model, codec: of the joint.
+            guarded, codec: of the joint.
             fingerprint: of its model.
             window: seconds within which a snapshot's frames must come; one cycle by default.
         """
         layout = codec.layout
-        self._model, self._codec, self._fingerprint = model, codec, fingerprint & 0xFFFF
+        self._guarded, self._codec, self._fingerprint = guarded, codec, fingerprint & 0xFFFF
         self._layout = layout
         self._window = 1e-6 * layout.window_us if window is None else window
         self._lengths = Gatherer(layout, layout.lengths_frames, self._window)
@@ -87,7 +87,7 @@ class Monitor:
         self._spoilt: dict[str, set[Fault]] = {}
         self._serial = self._begun = self._answered = 0
         self._counters: dict[str, int] = {}
-        self._comparison = Comparison(model)
+        self._comparison = Comparison(guarded)
         self._first = self._last = 0.0
         self.now = float("-inf")
         self.told = 0
@@ -291,7 +291,7 @@ class Monitor:
         lengths, answer = record.lengths, record.answer
         faults = self._faults(record)
         missing = self._missing(record)
-        suspected = self._named(self.health.suspected_sensors if self.health else 0)
+        suspected = self._layout.sensors_in(self.health.suspected_sensors if self.health else 0)
         faults |= {"missing"} if missing else set()
         faults |= {"suspected"} if suspected else set()
         self._count_losses(record)
@@ -341,16 +341,11 @@ class Monitor:
 
     def _missing(self, record: _Record) -> tuple[str, ...]:
         bits = record.status.missing_sensors if record.status is not None else 0
-        names = set(self._named(bits))
+        names = set(self._layout.sensors_in(bits))
         if _complete(record.lengths) and record.lengths and self._zero_is_the_models():
-            gone = missing_readings(self._model, [record.lengths.values])[0]
+            gone = self._guarded.missing([record.lengths.values])[0]
             names |= {self._layout.sensors[j] for j in np.flatnonzero(gone)}
         return tuple(name for name in self._layout.sensors if name in names)
-
-    def _named(self, bits: int) -> tuple[str, ...]:
-        """Sensors by their bits in STATUS and HEALTH."""
-        pairs = zip(self._layout.sensors, self._layout.missing_bits, strict=True)
-        return tuple(name for name, bit in pairs if bits >> bit & 1)
 
     def _zero_is_the_models(self) -> bool:
         return self.health is None or self.health.zero == _OF_THE_MODEL

@@ -164,7 +164,7 @@ def _stream(
     from ccgen.sensing.motion import SOURCES
     from ccgen.shapes import score_library
 
-    joint, model, layout = exported.joint, exported.model, exported.layout
+    joint, guarded, layout = exported.joint, exported.guarded, exported.layout
     injected = [read_fault(text, joint) for text in faults]
     if source in SOURCES:
         if speed is not None:
@@ -172,7 +172,7 @@ def _stream(
         rate_hz = rate or 1000.0 / joint.can.cycle_ms
         library = score_library(joint)
         length = 10.0 if seconds is None else seconds
-        stream = stage.simulated_stream(joint, model, library, source, length, rate_hz)
+        stream = stage.simulated_stream(joint, guarded, library, source, length, rate_hz)
         times = np.arange(len(stream.counts)) / rate_hz
         return stage.faulty_stream(stream, times, injected, layout)
     if rate is not None:
@@ -181,7 +181,7 @@ def _stream(
         raise InputError(f"--source: {source} is neither a file nor one of {', '.join(SOURCES)}")
     replay = _replay(exported, Path(source)).until(seconds)
     warn(replay.notes)
-    stream = stage.replayed_stream(joint, model, source, replay, speed is not Speed.MAX)
+    stream = stage.replayed_stream(joint, guarded, source, replay, speed is not Speed.MAX)
     return stage.faulty_stream(stream, replay.times, injected, layout)
 
 
@@ -244,7 +244,9 @@ def _print(summary: "Summary") -> None:
     table.add_row("reference model", f"{summary.mismatches} angles differ")
     if summary.injected:
         table.add_row("faults put in", ", ".join(summary.injected))
-    table.add_row("faults", ", ".join(summary.faults) or "none")
+    table.add_row("degraded", f"{summary.degraded_snapshots} snapshots")
+    for title in ("faults", "missing", "suspected"):
+        table.add_row(title, ", ".join(getattr(summary, title)) or "none")
     for axis, error in (summary.error_percent_rom or {}).items():
         table.add_row(
             f"error of {axis}", f"{error.mean:.3f} % of {_OF[axis]}, worst {error.worst:.3f}"

@@ -20,7 +20,7 @@ def snapshot_lines(exported: Exported, log: Log | None) -> Iterator[Log]:
     """Print a line for every snapshot out of the frames that pass, and pass them on to a log."""
     database = read_database(exported.directory / f"{exported.joint.name}.dbc")
     codec = Codec(exported.layout, database)  # of its own, which counts its own errors
-    watch = Monitor(exported.model, codec, exported.fingerprint)
+    watch = Monitor(exported.guarded, codec, exported.fingerprint)
     strange = False
 
     def show(snapshots: Iterable[Seen]) -> None:

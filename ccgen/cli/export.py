@@ -142,6 +142,8 @@ def _show(done: "Export", load: float, costs: "Sequence[Cost]") -> None:
         f"{frames} frames every {done.layout.cycle_ms} ms take at most "
         f"{load:.0f} % of a bus at {done.joint.can.bitrate:,} bit/s"
     )
+    if done.fallback_bytes:
+        console.print(f"weights for each single missing sensor take {done.fallback_bytes:,} bytes")
     if costs:
         show_costs(costs)
     to_measure = "" if costs else f", ccgen cost {done.directory} --write"

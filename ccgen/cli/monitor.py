@@ -126,7 +126,7 @@ def monitor(
     window = None if window_ms is None else 1e-3 * window_ms
     with ExitStack() as stack:
         exported = stack.enter_context(opened(path))
-        watch = Monitor(exported.model, exported.codec, exported.fingerprint, window)
+        watch = Monitor(exported.guarded, exported.codec, exported.fingerprint, window)
         taken = stack.enter_context(open_log(log, None if source is None else str(source)))
         outlets = [*_outlets(stack, exported, udp, mcap), *([print_json] if json else [])]
         frames = stack.enter_context(_frames(exported, interface, channel, source, speed, seconds))

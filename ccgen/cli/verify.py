@@ -92,12 +92,13 @@ def _show(runs: Sequence["Run"]) -> None:
 
     table = Table(box=None, pad_edge=False)
     table.add_column("target, transport", no_wrap=True)
-    for title in ("snapshots", "a second", "angles", "wrong", "lost", "pose / µm"):
+    for title in ("snapshots", "degraded", "a second", "angles", "wrong", "lost", "pose / µm"):
         table.add_column(title, justify="right", no_wrap=True)
     for run in runs:
         table.add_row(
             f"{run.target}, {run.transport}",
             f"{run.snapshots:,}",
+            f"{run.degraded_snapshots:,}",
             f"{run.rate_hz:,.0f}",
             f"{run.compared_values:,}",
             f"{run.mismatches:,}",

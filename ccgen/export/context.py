@@ -10,7 +10,7 @@ from ccgen.can.load import load_percent
 from ccgen.digits import at_least
 from ccgen.e2e import p01_key
 from ccgen.export.literals import float_literal
-from ccgen.fixedpoint import FixedPointModel
+from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.joint import Joint
 from ccgen.sensing.noise import still_counts
 
@@ -32,13 +32,13 @@ def common_context(joint: Joint, method: str) -> dict[str, Any]:
     }
 
 
-def can_context(layout: FrameLayout, joint: Joint, model: FixedPointModel) -> dict[str, Any]:
+def can_context(layout: FrameLayout, joint: Joint, guarded: GuardedModel) -> dict[str, Any]:
     """The layout of the frames, and the tables of them for headers and the folder's README."""
     bits = [f"CCGEN_PUBLISH_{kind.upper()}" for kind in layout.publish]
-    ranges = model.readings
+    ranges = guarded.model.readings
     still = still_counts(joint, ranges.moved).tolist()
     return {
-        "fingerprint": fingerprint(model, layout),
+        "fingerprint": fingerprint(guarded, layout),
         "publish": " | ".join(bits) or "0",
         "health_ms": HEALTH_MS,
         "commands": COMMANDS,

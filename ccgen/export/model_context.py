@@ -11,8 +11,9 @@ from ccgen.can.layout import FrameLayout
 from ccgen.digits import at_least
 from ccgen.estimation import ErrorRow, noise_gain
 from ccgen.export.fields import Field, fields_of
-from ccgen.export.literals import float_literal
+from ccgen.export.literals import float_literal, rows_context
 from ccgen.fixedpoint import AxisModel, Fit
+from ccgen.fixedpoint.fallback import Fallbacks
 from ccgen.fixedpoint.model import Integers, RelativeRange, SensorRanges
 from ccgen.joint import AXES, Joint, Sensor
 from ccgen.sensing.arrangement import angle_degrees
@@ -28,7 +29,7 @@ _SHAPES = {
 }
 
 _EVALUATED = (
-    "sensors", "shift", "fraction_bits", "saturates", "narrow", "bias", "biases", "rows",
+    "sensors", "shift", "fraction_bits", "saturates", "narrow", "bias", "biases", "rows", "without",
 )  # fmt: skip
 """What an axis's code depends on: axes that agree in all of it share tables and code."""
 
@@ -53,7 +54,7 @@ def model_context(fitted: Fit, layout: FrameLayout) -> dict[str, Any]:
         "relative": model.readings.relative is not None,
         "axes": axes,
         "values": model.values,
-        "kernels": _kernels(axes, joint),
+        "kernels": _kernels(axes, joint, bool(fitted.guarded.groups)),
         "angles_said": _angles_said(joint),
         "estimated_said": _estimated_said(joint),
         "mask_said": _mask_said(fields),
@@ -164,6 +165,8 @@ def _axes_context(fitted: Fit, fields: Sequence[Field]) -> dict[str, dict[str, A
         axes[name] = own | {
             "tables": next(same, name),
             "first_value": first,
+            "bit": field.bit + behind,
+            "place": "uvh".index(name),
             "reads": f"{field.field}{f' + {behind}' if behind else ''}",
         }
         first += axis.segments
@@ -174,7 +177,7 @@ def _agree(one: dict[str, Any], other: dict[str, Any], keys: Sequence[str]) -> b
     return all(one[key] == other[key] for key in keys)
 
 
-def _kernels(axes: dict[str, dict[str, Any]], joint: Joint) -> list[dict[str, Any]]:
+def _kernels(axes: dict[str, dict[str, Any]], joint: Joint, checked: bool) -> list[dict[str, Any]]:
     """The functions that evaluate an axis: one for those that differ in numbers alone.
 
     Each lists its model's fields in their order: what its axes agree on from a constant model,
@@ -192,7 +195,7 @@ def _kernels(axes: dict[str, dict[str, Any]], joint: Joint) -> list[dict[str, An
             member["function"] = function
         alike = len(members) > 1 and len({member["tables"] for member in members}) == 1
         # Called with one model alone, the compiler folds it into one function by itself.
-        once = "CCGEN_ONCE" if alike else "CCGEN_SHARED"
+        once = "CCGEN_ONCE" if alike or checked else "CCGEN_SHARED"
         kernels.append(
             {"function": function, "fields": _kernel_fields(members, joint), "once": once}
         )
@@ -210,11 +213,12 @@ def _kernel_fields(members: list[dict[str, Any]], joint: Joint) -> list[str]:
     known = [field(key) for key in ("sensors", "shift", "fraction_bits", *flags)]
     biases = "model->biases" if members[0]["biases"] else "NULL"
     weights = "model->rows" if joint.precision == 16 else "model->weights"
-    return [f"{own}.segments", *known, "model->bias", biases, weights]
+    return [f"{own}.segments", *known, field("bias"), biases, weights]
 
 
 def _axis_context(fitted: Fit, axis: AxisModel) -> dict[str, Any]:
     joint, weights = fitted.sensed, fitted.weights[axis.axis]
+    own = fitted.guarded.fallbacks.get(axis.axis)
     step = 2.0**-axis.fraction_bits
     said = f"{100.0 * step:.3g} %" if axis.axis == "h" else f"{math.degrees(step):.3g}°"
     return {
@@ -225,11 +229,12 @@ def _axis_context(fitted: Fit, axis: AxisModel) -> dict[str, Any]:
         "unit_per_step": float_literal(step),
         "step_said": said,
         "headroom_bits": axis.headroom_bits,
-        "saturates": axis.saturates,
+        "saturates": axis.saturates or (own is not None and own.saturates),
         "narrow": axis.narrow,
         **_bias_context(axis),
         "words_per_row": (axis.sensors + 1) // 2,
-        "rows": [{"weights": w, "pairs": _pairs(w)} for w in axis.weights.tolist()],
+        "rows": rows_context(axis.weights.tolist()),
+        "without": _without(own),
         "worst_error_percent_rom": at_least(axis.worst_error_percent_rom),
         "rms_error_percent_rom": f"{axis.rms_error_percent_rom:.2g}",
         "scores": [
@@ -239,6 +244,13 @@ def _axis_context(fitted: Fit, axis: AxisModel) -> dict[str, Any]:
         ],
         "noise_gain": f"{noise_gain(weights):.3g}",
     }
+
+
+def _without(own: Fallbacks | None) -> list[list[dict[str, Any]] | None]:
+    """What serves without each sensor: rows, or None where the axis is lost; empty for none."""
+    if own is None or all(table is None for table in own.rows):
+        return []
+    return [None if table is None else rows_context(table.tolist()) for table in own.rows]
 
 
 def _score(row: ErrorRow, axis: str) -> dict[str, Any]:
@@ -261,8 +273,3 @@ def _bias_context(axis: AxisModel) -> dict[str, Any]:
         "bias": literal(bits, int(axis.bias[0])),
         "biases": [literal(bits, b) for b in more.tolist()] if np.any(more) else [],
     }
-
-
-def _pairs(row: list[int]) -> list[tuple[int, int]]:
-    padded = row + [0] * (len(row) % 2)
-    return list(zip(padded[0::2], padded[1::2], strict=True))

@@ -15,11 +15,13 @@ from ccgen.export.arrangement import arrangement_context
 from ccgen.export.dbc import dbc_text
 from ccgen.export.errors_context import errors_context
 from ccgen.export.examples import check_kinds, example_files
+from ccgen.export.guard_context import guard_context
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
 from ccgen.export.model_context import model_context
 from ccgen.export.selftest_context import selftest_context
-from ccgen.fixedpoint import Fit, FixedPointModel, fit, model_json
+from ccgen.fixedpoint import Fit, FixedPointModel, fit
+from ccgen.fixedpoint.guarded_storage import guarded_json
 from ccgen.fixedpoint.kept import Kept, inputs_of, kept_fit
 from ccgen.joint import Joint
 from ccgen.joint.file import load, parse_joint
@@ -67,6 +69,8 @@ class Export:
     joint: Joint
     model: FixedPointModel
     layout: FrameLayout
+    fallback_bytes: int
+    """Flash that what serves while a sensor is missing takes."""
     doubts: tuple[str, ...] = ()
     """What is odd of the joint's numbers and of its fixed point, a sentence each."""
     notes: tuple[str, ...] = ()
@@ -112,6 +116,7 @@ def export(
         files=tuple(sorted(files)),
         joint=whole.joint,
         model=whole.model,
+        fallback_bytes=whole.guarded.flash_bytes,
         layout=layout,
         doubts=whole.doubts,
         notes=() if kept is None else (kept.note,),
@@ -135,10 +140,11 @@ def render(
     values: dict[str, Any] = {
         **context.common_context(joint, fitted.method),
         **model_context(fitted, layout),
-        **context.can_context(layout, joint, model),
+        **guard_context(fitted, layout),
+        **context.can_context(layout, joint, fitted.guarded),
         **errors_context(fitted),
         "drawing": arrangement_context(joint),
-        **selftest_context(joint, model, layout, fitted.shapes),
+        **selftest_context(joint, fitted.guarded, layout, fitted.shapes),
         "zeros": model.readings.zero.tolist(),
         "kinematics": kinematics_context(
             joint.name,
@@ -156,7 +162,7 @@ def render(
         for path, template in JOINT_FILES.items()
     }
     texts[f"{joint.name}.dbc"] = dbc_text(layout, joint, model)
-    texts["model.json"] = model_json(model)
+    texts["model.json"] = guarded_json(fitted.guarded)
     files = runtime | {"joint.toml": joint.content, "LICENSE": resources.licence().read_bytes()}
     if joint.calibration_content:
         files[f"{joint.name}{CALIBRATION_END}"] = joint.calibration_content

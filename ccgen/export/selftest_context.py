@@ -11,6 +11,7 @@ from ccgen.export import vectors
 from ccgen.export.fields import Field, fields_of
 from ccgen.export.model_context import relative_arrays
 from ccgen.fixedpoint import FixedPointModel
+from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.model import Integers
 from ccgen.joint import Joint
 from ccgen.sensing.counts import counts
@@ -22,10 +23,10 @@ BLOCK_SNAPSHOTS = 64
 
 
 def selftest_context(
-    joint: Joint, model: FixedPointModel, layout: FrameLayout, shapes: Shapes
+    joint: Joint, guarded: GuardedModel, layout: FrameLayout, shapes: Shapes
 ) -> dict[str, Any]:
     """Vectors with the right angles, and checksums of drawn blocks."""
-    blocks = [vectors.block(model, seed, BLOCK_SNAPSHOTS) for seed in range(BLOCKS)]
+    model = guarded.model
     readings = model.readings
     arrays = {"minimum": readings.minimum, "maximum": readings.maximum}
     if readings.relative is not None:
@@ -35,7 +36,7 @@ def selftest_context(
         "vectors": _vectors(joint, model, fields_of(joint, layout), shapes),
         "drawn": {key: values.tolist() for key, values in arrays.items()},
         "checksums": [
-            vectors.checksum(model.estimate(block.counts, block.zeros)) for block in blocks
+            vectors.outcome(guarded, seed, BLOCK_SNAPSHOTS).checksum for seed in range(BLOCKS)
         ],
         "block_snapshots": BLOCK_SNAPSHOTS,
         "stack_bytes": 100 * math.ceil((state + 150) / 100),

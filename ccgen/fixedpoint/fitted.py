@@ -24,7 +24,7 @@ from ccgen.fixedpoint.fallback import served
 from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.joint_checks import JointChecks, joint_checks
-from ccgen.fixedpoint.model import AxisModel, FixedPointModel, Floats
+from ccgen.fixedpoint.model import FixedPointModel, Floats
 from ccgen.fixedpoint.ranges import count_gains
 from ccgen.fixedpoint.serving import ServedAxis, quantise_with_fallbacks
 from ccgen.joint import AXES, Joint, Sensor
@@ -61,7 +61,7 @@ class Fit(FittedWeights):
         zeros = [nominal_zero(sensor) for sensor in sensors]
         if any(sensor.zero is None for sensor in sensors):
             with suppress(FormatError):  # no format holds the joint: its zeros stay nominal
-                zeros = self.model.readings.zero.tolist()
+                zeros = self.plain.readings.zero.tolist()
         return tuple(
             sensor if sensor.zero is not None else replace(sensor, zero=zero)
             for sensor, zero in zip(sensors, zeros, strict=True)
@@ -74,7 +74,20 @@ class Fit(FittedWeights):
 
     @cached_property
     def model(self) -> FixedPointModel:
-        """The integer reference model.
+        """The integer reference model, in formats that its fallbacks share.
+
+        Its axes are those of `plain`, with a coarser shift where a fallback needs larger weights.
+
+        Raises:
+            FormatError: as of `plain`.
+        """
+        if not self.sensed.fallback:
+            return self.plain
+        return replace(self.plain, axes={axis: one.model for axis, one in self._served.items()})
+
+    @cached_property
+    def plain(self) -> FixedPointModel:
+        """The integer model of the weights alone.
 
         Its formats hold the shapes; where those are not the joint's own load cases, or where axes
         meet in a sensor, also the joint at its range of motion in all axes at once.
@@ -99,16 +112,12 @@ class Fit(FittedWeights):
     def guarded(self) -> GuardedModel:
         """The integer reference model with what serves and watches over sensors that fail.
 
-        Its axes are those of `model`, with a coarser shift where a fallback needs larger weights.
-
         Raises:
-            FormatError: as of `model`; ReachError: no draw of the joint's loads gives a shape.
+            FormatError: as of `plain`; ReachError: no draw of the joint's loads gives a shape.
         """
-        if not self.sensed.fallback:
-            return GuardedModel(self.model, {}, self.checks.groups)
-        shared = replace(self.model, axes={axis: one.model for axis, one in self._served.items()})
-        fallbacks = {axis: one.fallbacks for axis, one in self._served.items()}
-        return GuardedModel(shared, fallbacks, self.checks.groups)
+        served = self._served if self.sensed.fallback else {}
+        fallbacks = {axis: one.fallbacks for axis, one in served.items()}
+        return GuardedModel(self.model, fallbacks, self.checks.groups)
 
     @cached_property
     def _served(self) -> Mapping[str, ServedAxis]:
@@ -127,7 +136,7 @@ class Fit(FittedWeights):
         Raises:
             ReachError: no draw of the joint's loads gives a shape.
         """
-        return joint_checks(self.sensed, self.shapes, lambda: self.model)
+        return joint_checks(self.sensed, self.shapes, lambda: self.plain)
 
     @property
     def noise(self) -> dict[str, Floats | None]:
@@ -142,10 +151,10 @@ class Fit(FittedWeights):
     def rounding(self) -> Mapping[str, float]:
         """Root mean square of what fixed point adds to a value of an axis, as the axis has it.
 
-        Unknown, and empty, where no format fits; `model` says why.
+        Unknown, and empty, where no format fits; `plain` says why.
         """
         try:
-            axes = self._exported
+            axes = self.model.axes
         except FormatError:
             return {}
         units = dict.fromkeys(AXES, self.joint.geometry.range_of_motion) | {"h": 1.0}
@@ -171,17 +180,10 @@ class Fit(FittedWeights):
             found[axis] = rms(one.model.radians(values) - ideal)
         return found
 
-    @property
-    def _exported(self) -> Mapping[str, AxisModel]:
-        """The axes as they are exported, beside their fallbacks where there are any."""
-        if not self.sensed.fallback:
-            return self.model.axes
-        return {axis: one.model for axis, one in self._served.items()}
-
     @cached_property
     def doubts(self) -> tuple[str, ...]:
         """What is odd of the joint's numbers and of its fixed point, a sentence each."""
-        said = fixed_point_advice(self.joint, lambda: self.model)
+        said = fixed_point_advice(self.joint, lambda: self.plain)
         return (*unit_doubts(self.joint), *said)
 
     @cached_property

@@ -23,6 +23,7 @@ from ccgen.fixedpoint.consistency import NOBODY, GroupCheck
 from ccgen.fixedpoint.fallback import Fallbacks, served
 from ccgen.fixedpoint.model import FixedPointModel, Integers
 from ccgen.fixedpoint.watch import Watch
+from ccgen.joint.specification import OUTPUT_AXES
 
 GOOD, DEGRADED, LOST = 0, 1, 2
 """States of an output axis."""
@@ -45,6 +46,15 @@ class Followed:
     suspected: Flags
     states: Integers
     watches: tuple[Watch, ...]
+
+    def mask(self, axes: Sequence[str]) -> Integers:
+        """States as the C tells them, two bits an axis from u on; shape (K,).
+
+        Args:
+            axes: the model's, in their order.
+        """
+        places = np.array([4 ** OUTPUT_AXES.index(axis) for axis in axes], dtype=np.int64)
+        return np.asarray(self.states @ places)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +88,7 @@ class GuardedModel:
         Args:
             counts: shape (K, n), in the joint's order; what stands at an absent sensor is not read.
             absent: shape (K, n).
-            zero: shape (n,); the model's own by default.
+            zero: shape (n,) or (K, n); the model's own by default.
 
         Returns:
             Shape (K, rows of all axes); the most negative value where an axis is lost.
@@ -96,7 +106,7 @@ class GuardedModel:
         zeros = self._zero(zero)
         gone = np.zeros(values.shape, dtype=np.bool_)
         for axis in self.model.axes.values():
-            gone[:, axis.part] |= axis.missing(values[:, axis.part], zeros[axis.part])
+            gone[:, axis.part] |= axis.missing(values[:, axis.part], zeros[..., axis.part])
         return gone
 
     def follow(
@@ -109,7 +119,7 @@ class GuardedModel:
 
         Args:
             counts: shape (K, n), in the joint's order of sensors.
-            zero: shape (n,); the model's own by default.
+            zero: shape (n,) or (K, n); the model's own by default.
             watches: states of the groups before; of the start by default.
         """
         values = np.asarray(counts, dtype=np.int64)

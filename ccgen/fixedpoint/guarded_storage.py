@@ -1,5 +1,7 @@
 """Fallbacks and checks as JSON records, beside the axes of `model.json`."""
 
+import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,21 @@ from ccgen.fixedpoint.consistency import GroupCheck, largest_residual
 from ccgen.fixedpoint.fallback import Fallbacks
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.model import AxisModel, FixedPointModel
+from ccgen.fixedpoint.storage import load_record, model_from_record, model_record
+
+
+def guarded_json(guarded: GuardedModel) -> str:
+    """Return `model.json`: a model with what serves and watches over its sensors."""
+    return json.dumps(model_record(guarded.model) | guard_record(guarded), indent=1) + "\n"
+
+
+def load_guarded(path: Path) -> GuardedModel:
+    """Read it back.
+
+    Raises:
+        InputError: as of `load_model`.
+    """
+    return load_record(path, lambda record: guarded_model(model_from_record(record), record))
 
 
 def guard_record(guarded: GuardedModel) -> dict[str, Any]:

@@ -165,7 +165,7 @@ def _record(fit: Fit) -> dict[str, Any]:
             axis: {"matrix": own.matrix.tolist(), "intercept": own.intercept.tolist()}
             for axis, own in fit.weights.items()
         },
-        "model": model_record(fit.model),
+        "model": model_record(fit.plain),
         "guarded": model_record(guarded.model) | guard_record(guarded),
         "shapes": _shortened(state).tolist(),
         "source": [fit.shapes.source[i] for i in rows],
@@ -219,7 +219,8 @@ def _fit(joint: Joint, record: dict[str, Any]) -> Fit:
     # What the fit would find out of its shapes is here as it was found.
     fit.__dict__.update(
         shapes=shapes,
-        model=model_from_record(record["model"]),
+        plain=model_from_record(record["model"]),
+        model=guarded.model,
         guarded=guarded,
         checks=checks,
         errors=tuple(_error_row(one) for one in record["errors"]),

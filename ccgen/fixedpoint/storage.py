@@ -1,8 +1,9 @@
 """The fixed-point model as JSON: `model.json` of an exported folder."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from ccgen import FORMAT_VERSION
 from ccgen.errors import InputError
 from ccgen.fixedpoint.model import AxisModel, FixedPointModel, RelativeRange
 from ccgen.joint.specification import OUTPUT_AXES
+
+Model = TypeVar("Model")
 
 _ARRAYS = ("weights", "bias", "minimum", "maximum", "zero")
 _RELATIVE = ("minimum", "maximum", "zero_minimum", "zero_maximum")
@@ -45,6 +48,15 @@ def load_model(path: Path) -> FixedPointModel:
     Raises:
         InputError: the file is missing, damaged or of another format.
     """
+    return load_record(path, model_from_record)
+
+
+def load_record(path: Path, build: Callable[[dict[str, Any]], Model]) -> Model:
+    """Read a model's record back and build what it holds.
+
+    Raises:
+        InputError: as of `load_model`.
+    """
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
         if record["format"] != FORMAT_VERSION:
@@ -52,7 +64,7 @@ def load_model(path: Path) -> FixedPointModel:
                 f"{path}: format: is {record['format']}, this ccgen reads {FORMAT_VERSION}; "
                 f"export the joint again"
             )
-        return model_from_record(record)
+        return build(record)
     except OSError as error:
         raise InputError(
             f"{path}: {error.strerror}; name a folder that `ccgen export` wrote"

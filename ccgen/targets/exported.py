@@ -11,7 +11,9 @@ from ccgen.can.layout import FrameLayout, layout_for
 from ccgen.errors import InputError
 from ccgen.export.manifest import changed_files, read_manifest
 from ccgen.export.package import CALIBRATION_END
-from ccgen.fixedpoint import FixedPointModel, load_model
+from ccgen.fixedpoint import FixedPointModel
+from ccgen.fixedpoint.guarded import GuardedModel
+from ccgen.fixedpoint.guarded_storage import load_guarded
 from ccgen.joint import Joint
 from ccgen.joint.file import read_joint
 from ccgen.kinematics.bounds import ErrorBounds, error_bounds, largest_angle, largest_elongation
@@ -27,14 +29,20 @@ class Exported:
     Attributes:
         directory: the folder.
         joint: from its joint.toml.
-        model: the integer reference model, from its model.json.
+        guarded: the integer reference model, from its model.json, with what serves and watches
+            over sensors that fail.
         changed: files that differ from what was exported.
     """
 
     directory: Path
     joint: Joint
-    model: FixedPointModel
+    guarded: GuardedModel
     changed: tuple[str, ...]
+
+    @property
+    def model(self) -> FixedPointModel:
+        """The axes of the integer reference model."""
+        return self.guarded.model
 
     @cached_property
     def layout(self) -> FrameLayout:
@@ -44,7 +52,7 @@ class Exported:
     @cached_property
     def fingerprint(self) -> int:
         """Of model and frames; a node tells its low 16 bits in HEALTH."""
-        return fingerprint(self.model, self.layout)
+        return fingerprint(self.guarded, self.layout)
 
     @cached_property
     def codec(self) -> "Codec":
@@ -71,12 +79,12 @@ def open_exported(directory: Path) -> Exported:
     """
     files = read_manifest(directory).files
     joint = read_joint(directory / "joint.toml", lambda _: _calibration(directory, files))
-    model = load_model(directory / "model.json")
-    if not _is_model_of(joint, model):
+    guarded = load_guarded(directory / "model.json")
+    if not _is_model_of(joint, guarded.model):
         raise InputError(
             f"{directory}: model.json is not of the joint in joint.toml; export the joint again"
         )
-    return Exported(directory, joint, model, changed=tuple(changed_files(directory)))
+    return Exported(directory, joint, guarded, changed=tuple(changed_files(directory)))
 
 
 def _calibration(directory: Path, files: Iterable[str]) -> bytes | None:

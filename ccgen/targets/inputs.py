@@ -11,7 +11,7 @@ Integers = NDArray[np.int64]
 
 
 def bus_counts(exported: Exported, snapshots: int, seed: int) -> Integers:
-    """Snapshots to send over a bus: the shape library, the corners, and random counts.
+    """Snapshots to send over a bus: the shape library, the corners, and random ones that lack some.
 
     Args:
         exported: the folder.
@@ -23,7 +23,25 @@ def bus_counts(exported: Exported, snapshots: int, seed: int) -> Integers:
     """
     axes = [group.around() for group in exported.model.groups]
     fixed = np.concatenate([shape_counts(exported), corner_counts(axes)])[:snapshots]
-    return np.concatenate([fixed, random_counts(axes, snapshots - len(fixed), seed)])
+    drawn = random_counts(axes, snapshots - len(fixed), seed)
+    none = -(1 << (8 * exported.layout.count_bytes - 1))
+    return np.concatenate([fixed, without_readings(drawn, none, seed)])
+
+
+def without_readings(counts: Integers, none: int, seed: int) -> Integers:
+    """Counts of which one snapshot of four has lost a reading, and one of twelve a second.
+
+    Args:
+        counts: shape (k, n).
+        none: what says that there is no reading.
+        seed: of the choice.
+    """
+    random = np.random.default_rng([seed, *b"lost"])
+    rows, lost = np.arange(len(counts)), counts.copy()
+    for share in (4, 3):
+        rows = rows[random.integers(0, share, len(rows)) == 0]
+        lost[rows, random.integers(0, counts.shape[1], len(rows))] = none
+    return lost
 
 
 def shape_counts(exported: Exported) -> Integers:

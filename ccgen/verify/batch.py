@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ccgen import kinematics
 from ccgen.sensing.counts import corner_counts, random_counts
 from ccgen.targets.exported import Exported
-from ccgen.targets.inputs import shape_counts
+from ccgen.targets.inputs import shape_counts, without_readings
 from ccgen.targets.library import JointLibrary
 from ccgen.verify.compare import states_of, tip_jacobians
 from ccgen.verify.plan import Plan, Progress
@@ -38,11 +38,12 @@ class _Excess:
 def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, report: Progress) -> Run:
     """Compare counts and zeros over the full declared range, then poses and Jacobians."""
     total = plan.batch_snapshots(exported.model.values)
-    compared = wrong = 0
+    compared = wrong = degraded = 0
     started = time.monotonic()
     for block, first in enumerate(range(0, total, BLOCK)):
         size = min(BLOCK, total - first)
-        wrong += _wrong_angles(exported, library, plan.seed + block, size)
+        one = _compared(exported, library, plan.seed + block, size)
+        wrong, degraded = wrong + one.wrong, degraded + one.degraded
         compared += size * exported.model.values
         report(TITLE, first + size, total)
     seconds = time.monotonic() - started
@@ -55,6 +56,7 @@ def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, repor
         mismatches=wrong,
         lost_frames=0,
         rate_hz=total / seconds,
+        degraded_snapshots=degraded,
         pose_max_error_m=errors[0].error,
         pose_bound_m=errors[0].bound,
         note="; ".join(
@@ -65,8 +67,19 @@ def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, repor
     )
 
 
-def _wrong_angles(exported: Exported, library: JointLibrary, seed: int, size: int) -> int:
-    """Mismatches in a block whose zero is a corner or drawn over the whole range."""
+@dataclass(frozen=True)
+class _Block:
+    """Values that differ in a block, and snapshots of which some axis is degraded or lost."""
+
+    wrong: int
+    degraded: int
+
+
+def _compared(exported: Exported, library: JointLibrary, seed: int, size: int) -> _Block:
+    """A block whose zero is a corner or drawn over the whole range, and which loses readings.
+
+    A snapshot whose states differ counts as wrong in all its values.
+    """
     groups = exported.model.groups
     accepted = [group.zeros for group in groups]
     corners = corner_counts(accepted)
@@ -76,10 +89,14 @@ def _wrong_angles(exported: Exported, library: JointLibrary, seed: int, size: in
     around = [group.around(part) for group, part in zip(groups, parts, strict=True)]
     drawn = random_counts(around, size, seed + 1)
     counts = np.concatenate([corner_counts(around), drawn])[:size]
+    counts = without_readings(counts, -(2 ** (exported.model.precision - 1)), seed)
     angles, results = library.estimate(counts, zero)
-    right = exported.model.estimate(counts, zero)
-    angles[results != 0] = ~right[results != 0]
-    return int(np.count_nonzero(angles != right))
+    followed = exported.guarded.follow(counts, zero)
+    states = followed.mask(tuple(exported.model.axes))
+    other = results != states
+    angles[other] = ~followed.values[other]
+    wrong = int(np.count_nonzero(angles != followed.values))
+    return _Block(wrong, int(np.count_nonzero(states)))
 
 
 def _kinematic_errors(exported: Exported, library: JointLibrary) -> list[_Excess]:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ccgen import kinematics
 from ccgen.can.exchange import Exchange
+from ccgen.fixedpoint.guarded import LOST
 from ccgen.sensing.simulation import segment_lengths
 from ccgen.targets.exported import Exported
 from ccgen.verify.run import Run
@@ -17,6 +18,9 @@ Floats = NDArray[np.float64]
 _BLOCK = 4096
 _TIP_LIMIT = 2**15 - 1
 """Steps of a coordinate at which TIP saturates."""
+
+_NO_TIP = -(2**15)
+"""Of a coordinate: no reading."""
 
 
 def compare_exchange(
@@ -30,15 +34,20 @@ def compare_exchange(
         counts: shape (k, n), what was sent.
         answers: what came back.
     """
-    right = exported.model.estimate(counts)
+    followed = exported.guarded.follow(counts)
+    right = followed.values
     complete = answers.complete
     layout = exported.layout
     compared = right[complete if layout.publishes("angles") else np.zeros_like(complete)]
     wrong = int(np.count_nonzero(answers.angles[complete][: len(compared)] != compared))
+    lost = (followed.states == LOST).any(axis=1)
+    whole = complete & ~lost
     # A tip is rounded to half a step; the rest is the bound of single precision.
     step = 2.0**-layout.tip_fraction_bits
-    tips = tip_positions(exported, right[complete]) if layout.publishes("tip") else np.zeros((0, 3))
-    distance = np.linalg.norm(answers.tips[complete][: len(tips)] * step - tips, axis=-1)
+    tips = tip_positions(exported, right[whole]) if layout.publishes("tip") else np.zeros((0, 3))
+    distance = np.linalg.norm(answers.tips[whole][: len(tips)] * step - tips, axis=-1)
+    if layout.publishes("tip"):
+        wrong += int(np.count_nonzero(answers.tips[complete & lost] != _NO_TIP))
     return Run(
         target=target,
         transport=transport,
@@ -50,6 +59,7 @@ def compare_exchange(
         pose_max_error_m=float(distance.max(initial=0.0)),
         pose_bound_m=exported.pose_bounds.position + 0.5 * math.sqrt(3.0) * step,
         note=_note(exported, answers),
+        degraded_snapshots=int(np.count_nonzero(followed.states.any(axis=1))),
     )
 
 

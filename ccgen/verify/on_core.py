@@ -129,9 +129,8 @@ def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed)
     """
     blocks = _blocks(exported, plan)
     angles = BLOCK * exported.model.values
-    wrong = sum(
-        printed.checksums.get(seed) != _checksum(exported, seed) for seed in _seeds(plan, blocks)
-    )
+    right = {seed: vectors.outcome(exported.guarded, seed, BLOCK) for seed in _seeds(plan, blocks)}
+    wrong = sum(printed.checksums.get(seed) != one.checksum for seed, one in right.items())
     compared, mismatches = printed.vectors
     distance = np.linalg.norm(
         np.array(printed.tips, dtype=np.float64).reshape(-1, 3)
@@ -146,6 +145,7 @@ def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed)
         mismatches=wrong * angles + mismatches,
         lost_frames=0,
         rate_hz=blocks * BLOCK / printed.seconds,
+        degraded_snapshots=sum(one.degraded for one in right.values()),
         pose_max_error_m=float(distance.max()),
         pose_bound_m=exported.pose_bounds.position,
     )
@@ -169,8 +169,3 @@ def _blocks(exported: Exported, plan: Plan) -> int:
 
 def _seeds(plan: Plan, blocks: int) -> list[int]:
     return [(plan.seed + block) & 0xFFFFFFFF for block in range(blocks)]
-
-
-def _checksum(exported: Exported, seed: int) -> int:
-    drawn = vectors.block(exported.model, seed, BLOCK)
-    return vectors.checksum(exported.model.estimate(drawn.counts, drawn.zeros))

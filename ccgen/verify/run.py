@@ -20,6 +20,7 @@ class Run:
         pose_max_error_m: largest distance of a pose's position from double precision, metres.
         pose_bound_m: what that distance must stay below.
         note: what else failed, empty if nothing did.
+        degraded_snapshots: those of the snapshots in which some axis is degraded or lost.
     """
 
     target: str
@@ -32,6 +33,7 @@ class Run:
     pose_max_error_m: float
     pose_bound_m: float
     note: str = ""
+    degraded_snapshots: int = 0
 
     @property
     def passed(self) -> bool:

@@ -20,6 +20,9 @@ typedef struct {
     uint8_t shift;
     int64_t bias[CCGEN_SEGMENTS_MAX];
     int64_t weights[CCGEN_SEGMENTS_MAX][CCGEN_SENSORS_MAX];
+    uint8_t place; /* 0 for u, 1 for v, 2 for h */
+    bool serves[CCGEN_SENSORS_MAX]; /* whether there are rows without a sensor */
+    int64_t without[CCGEN_SENSORS_MAX][CCGEN_SEGMENTS_MAX][CCGEN_SENSORS_MAX];
 } reference_t;
 
 /** One sensor: its counts, its differences count - zero, the zeros that are accepted. */
@@ -75,18 +78,66 @@ static inline int32_t missing_in(const int32_t *const counts, const int64_t *con
     return mask;
 }
 
+/** How many sensors of an axis have no reading, and one of them. */
+static inline uint8_t lacking(const reference_t *const axis, const int32_t *const counts,
+                              const int64_t *const zero, uint8_t *const which) {
+    uint8_t number = 0;
+    for (uint8_t j = 0; j < axis->sensors; ++j) {
+        const uint8_t sensor = (uint8_t)(axis->first + j);
+        if (!is_reading(sensor, counts[sensor], zero[sensor])) {
+            *which = j;
+            ++number;
+        }
+    }
+    return number;
+}
+
+/** \return 0: every sensor of an axis has a reading; 1: another serves in the place of one that
+ * has none; 2: the axis is lost. */
+static inline uint32_t state_of(const reference_t *const axis, const int32_t *const counts,
+                                const int64_t *const zero) {
+    uint8_t which = 0;
+    const uint8_t number = lacking(axis, counts, zero, &which);
+    return (number == 0u) ? 0u : ((number == 1u) && axis->serves[which]) ? 1u : 2u;
+}
+
+/** \return the states of all axes, two bits each. */
+static inline uint32_t states_in(const int32_t *const counts, const int64_t *const zero) {
+    uint32_t states = 0;
+    for (size_t k = 0; k < (sizeof reference / sizeof reference[0]); ++k) {
+        states |= state_of(&reference[k], counts, zero) << (2u * reference[k].place);
+    }
+    return states;
+}
+
+/** \return the states in which every axis is lost. */
+static inline uint32_t all_lost(void) {
+    uint32_t states = 0;
+    for (size_t k = 0; k < (sizeof reference / sizeof reference[0]); ++k) {
+        states |= 2u << (2u * reference[k].place);
+    }
+    return states;
+}
+
 /** The plain computation: acc, shift, saturation; of a value in the list of all axes'. */
 static inline int64_t angle_of(const int32_t *const counts, const int64_t *const zero,
                                const uint16_t value) {
     uint16_t row = value;
+    uint8_t which = 0;
     const reference_t *axis = reference;
     for (; row >= axis->rows; ++axis) {
         row = (uint16_t)(row - axis->rows);
     }
+    const uint32_t state = state_of(axis, counts, zero);
+    const bool whole = (lacking(axis, counts, zero, &which) == 0u);
+    if (state == 2u) {
+        return -LIMIT - 1;
+    }
     int64_t acc = axis->bias[row];
     for (uint8_t j = 0; j < axis->sensors; ++j) {
         const uint8_t sensor = (uint8_t)(axis->first + j);
-        acc += axis->weights[row][j] * ((int64_t)counts[sensor] - zero[sensor]);
+        const int64_t weight = whole ? axis->weights[row][j] : axis->without[which][row][j];
+        acc += weight * ((whole || (j != which)) ? ((int64_t)counts[sensor] - zero[sensor]) : 0);
     }
     const int64_t angle = acc >> axis->shift;
     return (angle > LIMIT) ? LIMIT : (angle < -LIMIT) ? -LIMIT : angle;

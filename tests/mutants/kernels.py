@@ -292,6 +292,74 @@ QUEUE = of(
     ("(frame->length > CCGEN_FRAME_CAPACITY)", "false"),
 )
 
+CHECKED = ("test_runtime_check.py",)
+
+
+def check_of(bits: int) -> Group:
+    """Mutants of what holds a group of sensors against each other."""
+    return of(
+        f"include/ccgen/check{bits}.h",
+        CHECKED,
+        ("(0u - sum)", "sum"),
+        (
+            "(size[j] > largest)",
+            "(size[j] >= largest)",
+            "where two are as large nobody is named, whichever comes first",
+        ),
+        ("            second = largest;\n", ""),
+        ("        } else if (size[j] > second) {\n", "        } else if (size[j] > largest) {\n"),
+        ("            first = j;\n", ""),
+        (
+            f"> (uint{2 * bits}_t)check->margin[first]",
+            f">= (uint{2 * bits}_t)check->margin[first]",
+        ),
+        (
+            f"> (uint{2 * bits}_t)check->threshold[j]",
+            f">= (uint{2 * bits}_t)check->threshold[j]",
+        ),
+        ("alarm = alarm || ", "alarm = "),
+        ("j < rows->sensors; ++j) {\n        size", "j + 1u < rows->sensors; ++j) {\n        size"),
+        ("rows->sensors > CCGEN_UNROLLED_MAX", "rows->sensors > 1u + CCGEN_UNROLLED_MAX"),
+    )
+
+
+def serving_of(bits: int, rows: str) -> Group:
+    """Mutants of what serves while sensors are absent."""
+    return of(
+        f"include/ccgen/serving{bits}.h",
+        CHECKED,
+        ("(absent & (absent - 1u)) != 0u", "absent > 0xFFFFu"),
+        ("        return own;\n", "        return without;\n"),
+        ("rest > 1u", "rest > 2u"),
+        (f"(one->{rows} != NULL) ? one : NULL", "one"),
+        ("i < segments", "i + 1u < segments"),
+        (f"INT{bits}_MIN", f"INT{bits}_MIN + 1"),
+    )
+
+
+WATCH = of(
+    "include/ccgen/watch.h",
+    CHECKED,
+    ("CCGEN_OUT_AFTER 3u", "CCGEN_OUT_AFTER 4u"),
+    ("CCGEN_BACK_AFTER 20u", "CCGEN_BACK_AFTER 19u"),
+    ("watch->out ? watch->sensor : CCGEN_NOBODY", "CCGEN_NOBODY"),
+    (
+        "(verdict == watch->sensor) || (verdict == CCGEN_VERDICT_UNNAMED)",
+        "verdict == watch->sensor",
+    ),
+    ("(verdict == watch->sensor) || (verdict", "(verdict"),
+    ("        watch->run = 0;\n        return;\n", "        return;\n"),
+    ("verdict >= CCGEN_VERDICT_UNNAMED", "verdict > CCGEN_VERDICT_UNNAMED"),
+    (", watch->run + 1u) : 1u", ", watch->run + 1u) : 0u"),
+    ("        watch->sensor = verdict;\n", ""),
+    (
+        "            watch->run = 0;\n            watch->out = true;\n",
+        "            watch->out = true;\n",
+    ),
+    ("watch->out ? (UINT32_C(1)", "(watch->run > 0u) ? (UINT32_C(1)"),
+    ("watch->out ? watch->sensor : verdict", "verdict"),
+)
+
 GROUPS = (
     INTEGER,
     *SENSORS,
@@ -305,4 +373,9 @@ GROUPS = (
     KERNEL16_THUMB1,
     PRODUCT,
     QUEUE,
+    check_of(16),
+    check_of(32),
+    serving_of(16, "rows"),
+    serving_of(32, "weights"),
+    WATCH,
 )

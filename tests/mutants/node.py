@@ -276,7 +276,11 @@ NODE_AND_HEALTH = of(
         "    if (node->next <= ccgen_layout_status_index(layout)) {\n        node->overruns",
         "    if (node->next <= ccgen_layout_status_index(layout)) {\n        node->overruns",
     ),
-    ("    node->health.axes = estimated ? 0u : ccgen_health_all_lost(layout);\n", ""),
+    (
+        "    node->health.axes = (uint8_t)(estimated ? result : ccgen_health_all_lost(layout));\n",
+        "",
+    ),
+    ("(estimated ? result :", "(estimated ? 0 :"),
     ("        ccgen_health_sent(layout, &node->health);\n", ""),
     ("    node->handed = CCGEN_HANDED_HEALTH;\n", ""),
     ("if ((layout->publish & CCGEN_PUBLISH_STATUS) == 0u) {", "if (false) {"),

@@ -8,10 +8,10 @@
  * joint's precision: all ANGLES frames and TIP of a snapshot under that snapshot's number, STATUS
  * whenever a cycle has passed, and HEALTH (see health.h); of these what the layout publishes.
  *
- * A snapshot with a missing sensor has no estimate: its ANGLES and TIP frames go out with "no
- * reading" in every signal, and the status says which sensor. Call transmit until it returns 0
- * after every received frame: an estimate whose frames were not all fetched when the next one comes
- * is dropped and counted in `overruns`.
+ * An axis that its sensors do not suffice for goes out with "no reading" in every signal, TIP too
+ * while any axis is lost; HEALTH says which axis, and the status which sensor is missing. Call
+ * transmit until it returns 0 after every received frame: an estimate whose frames were not all
+ * fetched when the next one comes is dropped and counted in `overruns`.
  *
  * A frame that was handed out counts as sent at the next call of transmit; until then
  * ccgen_node_unsent() takes it back. The faults that a STATUS frame carries are forgotten once it

@@ -157,7 +157,8 @@ CCGEN_INLINE void ccgen_node_skip_unpublished(const ccgen_layout_t *const layout
  * Announces the outcome of the latest snapshot: its frames become due.
  * \param[in] layout
  * \param[in,out] node
- * \param[in] result   what NAME_estimate() returned; below 0: there are no angles
+ * \param[in] result   what NAME_estimate() returned: a mask of what is degraded or lost, whose lost
+ *                     axes hold "no reading"; below 0: there are no angles
  * \param[in] missing  what NAME_missing() returned: mask of 16 bits
  * \param[in] tip      [3] tip position from ccgen_tip_signal(); read only when there are angles
  * \return 1: a new estimate stands; otherwise `result`; CCGEN_ERROR_ARGUMENT for a null pointer
@@ -187,7 +188,7 @@ static inline int ccgen_node_publish(const ccgen_layout_t *const layout, ccgen_n
     node->estimates += estimated ? 1u : 0u;
     node->failures += estimated ? 0u : 1u;
     node->missing = (uint16_t)missing;
-    node->health.axes = estimated ? 0u : ccgen_health_all_lost(layout);
+    node->health.axes = (uint8_t)(estimated ? result : ccgen_health_all_lost(layout));
     node->estimated = estimated;
     node->published = node->snapshot.number;
     node->next = layout->lengths_frames;

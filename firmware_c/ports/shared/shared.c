@@ -6,7 +6,7 @@
  * port_node_init, port_node_receive, port_node_transmit, port_node_unsent, port_node_set_window;
  * port_joint_t,
  * port_counts_t, port_angles_t, port_count_t, port_angle_t, port_pose_t with port_init,
- * port_restore_zero, port_estimate, port_unpack_counts, port_pack_angles, port_unpack_angles,
+ * port_restore_zero, port_follow, port_unpack_counts, port_pack_angles, port_unpack_angles,
  * port_segment_pose, port_tip_pose and port_tip_jacobian; PORT_SEGMENTS, PORT_SENSORS, PORT_VALUES
  * and PORT_PRECISION.
  *
@@ -90,7 +90,7 @@ EXPORT int ccgen_shared_node_counters(const void *node, uint32_t *counters);
  * \param[in] counts    [n][sensors]
  * \param[in] zero      [sensors] counts at the straight pose; NULL for those of the model
  * \param[out] angles   [n][values]; rows of failed snapshots stay as they are
- * \param[out] results  [n] what NAME_estimate() returned for each
+ * \param[out] results  [n] what NAME_follow(), or NAME_estimate() without checks, returned for each
  * \return CCGEN_OK; CCGEN_ERROR_ARGUMENT for a null pointer; what NAME_restore_zero() returned
  *         for a zero that it refuses
  */
@@ -235,8 +235,8 @@ int ccgen_batch_estimate(const port_count_t *const counts, const port_count_t *c
         port_counts_t snapshot;
         port_angles_t estimate;
         port_unpack_counts(&counts[k * PORT_SENSORS], &snapshot);
-        results[k] = (int8_t)port_estimate(&joint, &snapshot, &estimate);
-        if (results[k] == CCGEN_OK) {
+        results[k] = (int8_t)port_follow(&joint, &snapshot, &estimate);
+        if (results[k] >= 0) {
             port_pack_angles(&estimate, &angles[k * PORT_VALUES]);
         }
     }

@@ -54,7 +54,7 @@ typedef struct {
     int32_t missing;
     int64_t angles[PORT_VALUES];
     bool remembered; /* not forgotten in a silence */
-    bool estimated;
+    uint32_t states; /* of the axes */
     uint32_t corrupted;
     uint32_t malformed;
     uint32_t estimates;
@@ -170,15 +170,16 @@ static void publish(bus_t *const bus, const int result) {
     check_counts(bus);
     CHECK((bus->traffic == NULL) || (traffic_sending_of(bus->traffic, counts) != 0u));
     bus->missing = missing_in(counts, bus->zero);
-    bus->estimated = (bus->missing == 0);
-    CHECK(result == (bus->estimated ? 1 : CCGEN_ERROR_MISSING));
-    for (uint16_t i = 0; (i < PORT_VALUES) && bus->estimated; ++i) {
+    bus->states = states_in(counts, bus->zero);
+    const bool estimated = (bus->states != all_lost());
+    CHECK(result == (estimated ? 1 : CCGEN_ERROR_MISSING));
+    for (uint16_t i = 0; i < PORT_VALUES; ++i) {
         bus->angles[i] = angle_of(counts, bus->zero, i);
     }
-    bus->remembered = bus->estimated;
-    owe(bus, bus->estimated ? 0u : CCGEN_FAULT_MISSING);
-    bus->estimates += bus->estimated ? 1u : 0u;
-    bus->failures += bus->estimated ? 0u : 1u;
+    bus->remembered = estimated;
+    owe(bus, (bus->missing == 0) ? 0u : CCGEN_FAULT_MISSING);
+    bus->estimates += estimated ? 1u : 0u;
+    bus->failures += estimated ? 0u : 1u;
     bus->overruns += (bus->due <= ccgen_layout_status_index(layout)) ? 1u : 0u;
     bus->due = layout->lengths_frames;
     bus->handed = (bus->handed == CCGEN_HANDED_ESTIMATE) ? CCGEN_HANDED_NOTHING : bus->handed;
@@ -246,10 +247,9 @@ static void check_status(const bus_t *const bus, const uint8_t *const payload) {
 }
 
 static void check_health(const bus_t *const bus, const uint8_t *const payload) {
-    const uint8_t axes = bus->estimated ? 0x00u : 0x0Au;
     CHECK((payload[0] | ((uint32_t)payload[1] << 8)) == layout->fingerprint);
     CHECK((payload[2] == 0u) && (payload[3] == 0u) && (payload[5] == 0u));
-    CHECK((payload[4] & 0x3Fu) == (0x30u | axes));
+    CHECK((payload[4] & 0x3Fu) == (0x30u | bus->states));
     CHECK((payload[4] >> 6) == (uint32_t)bus->node->joint.source);
     check_rest(ccgen_layout_health_index(layout), payload, 6);
 }
@@ -262,7 +262,8 @@ static void check_answer(const bus_t *const bus, const uint16_t index,
     const uint16_t tip = ccgen_layout_tip_index(layout);
     if (index == tip) {
         for (uint8_t i = 0; i < 3u; ++i) {
-            CHECK((read_signed(payload + 2u * i, 2) == lowest_of(2)) == !bus->estimated);
+            const bool none = (read_signed(payload + 2u * i, 2) == lowest_of(2));
+            CHECK(none == ((bus->states & all_lost()) != 0u));
         }
         check_rest(index, payload, 6);
         return;
@@ -270,8 +271,7 @@ static void check_answer(const bus_t *const bus, const uint16_t index,
     size_t used = 0;
     size_t place = (size_t)(index - layout->lengths_frames) * per_frame;
     for (uint8_t i = 0; (i < per_frame) && (place < PORT_VALUES); ++i) {
-        const int64_t angle = bus->angles[place];
-        CHECK(read_signed(payload + used, bytes) == (bus->estimated ? angle : lowest_of(bytes)));
+        CHECK(read_signed(payload + used, bytes) == bus->angles[place]);
         used += bytes;
         ++place;
     }
@@ -630,6 +630,7 @@ static void start(bus_t *const bus, input_t *const input) {
     CHECK(port_node_init(bus->node) == CCGEN_OK);
     bus->due = (uint16_t)(ccgen_layout_status_index(layout) + 1u);
     bus->health_due = true;
+    bus->states = all_lost();
     bus->now_us = EPOCH_US + take32(input);
     bus->told_us = bus->now_us;
     rule_start(&bus->rule, numbers_of_joint(), layout->lengths_frames,

@@ -60,6 +60,11 @@ static inline int port_estimate(const port_joint_t *joint, const port_counts_t *
     return sample_estimate(joint, counts, angles);
 }
 
+static inline int port_follow(port_joint_t *joint, const port_counts_t *counts,
+                                port_angles_t *angles) {
+    return sample_estimate(joint, counts, angles);
+}
+
 static inline int32_t port_missing(const port_joint_t *joint, const port_counts_t *counts) {
     return sample_missing(joint, counts);
 }
