@@ -241,7 +241,7 @@ def test_a_full_disk_is_one_line(folder, tmp_path, capsys):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_closes_the_log(folder, exported, tmp_path, number):
     log = tmp_path / "run.blf"
-    words = [sys.executable, "-m", "ccgen", "bridge", folder, "--seconds", "120", "--log", log]
+    words = [sys.executable, "-m", "ccgen", "bridge", folder, "--seconds", "20", "--log", log]
     process = subprocess.Popen(
         list(map(str, words)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
