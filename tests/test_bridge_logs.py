@@ -238,13 +238,16 @@ def test_a_full_disk_is_one_line(folder, tmp_path, capsys):
     assert err.splitlines()[-1] == f"ccgen: error: {tmp_path}/run.log: no space left on device"
 
 
+@pytest.mark.parametrize("unbuffered", ["", "1"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_closes_the_log(folder, exported, tmp_path, number):
+def test_a_signal_closes_the_log(folder, exported, tmp_path, number, unbuffered):
+    """The signal comes with the first line of progress, long before the end."""
     log = tmp_path / "run.blf"
-    words = [sys.executable, "-m", "ccgen", "bridge", folder, "--seconds", "20", "--log", log]
+    words = [sys.executable, "-m", "ccgen", "bridge", folder, "--seconds", "60", "--log", log]
     process = subprocess.Popen(
-        list(map(str, words)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+        list(map(str, words)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
+    )  # fmt: skip
     try:
         assert process.stderr is not None
         assert becomes(lambda: "snapshot" in process.stderr.readline())

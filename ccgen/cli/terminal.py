@@ -113,10 +113,10 @@ def _text(raw: _Output, before: object) -> io.TextIOWrapper:
     if os.name == "nt" and own is not None and own.isatty():
         own.reconfigure(errors=_ERRORS)  # a console takes characters, not bytes
         return own
+    # What PYTHONUNBUFFERED asks for is written line by line.
     return io.TextIOWrapper(
         io.BufferedWriter(raw),
         encoding=own.encoding if own else "utf-8",
         errors=_ERRORS,
-        line_buffering=own.line_buffering if own else True,
-        write_through=own.write_through if own else False,
+        line_buffering=own.line_buffering or own.write_through if own else True,
     )
