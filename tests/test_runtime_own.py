@@ -173,6 +173,7 @@ def test_angles_that_are_not_all_sent_are_kept_through_a_silence():
     assert first is not None
     assert not node.forgets()
     assert node.c.ccgen_node_unsent(node.state) == 1
+    assert not node.forgets()
     again = node.transmit(9 * CYCLE)
     assert again.payload() == first.payload()
     node.drain(9 * CYCLE)

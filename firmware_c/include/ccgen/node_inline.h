@@ -135,8 +135,8 @@ static inline int ccgen_node_worth(const ccgen_node_t *const node, const uint32_
  */
 static inline bool ccgen_node_forgets(const ccgen_layout_t *const layout,
                                       ccgen_node_t *const node) {
-    const bool answered = (node->next > ccgen_layout_status_index(layout)) &&
-                          (node->handed != CCGEN_HANDED_ESTIMATE);
+    /* A frame of the answer that may be taken back has STATUS's place still before it. */
+    const bool answered = node->next > ccgen_layout_status_index(layout);
     if (!node->estimated || !node->snapshot.stale || !answered) {
         return false;
     }

@@ -127,8 +127,7 @@ static void blank(bus_t *const bus) {
 /** Angles that no frame needs any more do not outlast a silence. */
 static void forget(bus_t *const bus) {
     const bool stale = (bus->told_us - bus->completed_us) > (3u * (uint64_t)layout->cycle_us);
-    if (bus->remembered && stale && (bus->due > ccgen_layout_status_index(layout)) &&
-        (bus->handed != CCGEN_HANDED_ESTIMATE)) {
+    if (bus->remembered && stale && (bus->due > ccgen_layout_status_index(layout))) {
         blank(bus);
     }
 }
