@@ -80,7 +80,7 @@ def load(flags: tuple[str, ...] = ("-O1", *UNDEFINED)) -> ctypes.CDLL:
     library.ccgen_command_is.restype = ctypes.c_bool
     library.ccgen_snapshot_age_ms.restype = ctypes.c_uint8
     library.ccgen_tip_signal.restype = ctypes.c_int16
-    library.ccgen_tip_signal.argtypes = (ctypes.c_float, ctypes.c_uint8)
+    library.ccgen_tip_signal.argtypes = (ctypes.c_int32, ctypes.c_uint8)
     library.ccgen_slcan_encode.argtypes = (
         ctypes.POINTER(Frame), ctypes.c_char_p, ctypes.c_size_t,
     )  # fmt: skip

@@ -53,9 +53,9 @@ def test_parts_are_what_the_linker_put_into_the_program(shoulder, target, tmp_pa
     # On the host the linker lays each object's tables on a boundary of up to 32 bytes.
     assert 0 <= padding <= (64 if target == "host" else 3), "before the harness's inputs"
     assert total.variables == 0
-    linked = {f"shoulder_{name}" for name in ("capture_zero", "estimate", "tip_pose")}
+    linked = {f"shoulder_{name}" for name in ("capture_zero", "estimate", "integer_tip_pose")}
     assert linked <= set(symbols)
-    assert not {"ccgen_slcan_feed", "shoulder_tip_jacobian"} & set(symbols)
+    assert not {"ccgen_slcan_feed", "shoulder_tip_pose"} & set(symbols)
 
 
 @pytest.mark.parametrize("name", ["harness", "crt0"])

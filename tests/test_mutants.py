@@ -46,14 +46,14 @@ OF_NO_USE = """
 from mutants.mutant import of
 from mutants.run import tried
 group = of(
-    "src/tip.c", ("test_runtime_node.py",), ("rest >= 0.5f", "rest >= 0.5f + 0.0f"),
-    ("rest >= 0.5f", "rest >> 0.5f"), chosen="tip",
+    "include/ccgen/tip.h", ("test_runtime_node.py",), ("(doubled & 1)", "(doubled & 1u)"),
+    ("(doubled & 1)", "(doubled &* 1)"), chosen="tip",
 )
 outcomes = list(tried([(group, mutant) for mutant in group.mutants]))
 assert not any(outcome.expected for outcome in outcomes)
 verdicts = {outcome.mutant.new: outcome.verdict for outcome in outcomes}
 assert verdicts == {
-    "rest >= 0.5f + 0.0f": "survives", "rest >> 0.5f": "does not compile"
+    "(doubled & 1u)": "survives", "(doubled &* 1)": "does not compile"
 }, verdicts
 """
 

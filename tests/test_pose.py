@@ -196,6 +196,36 @@ def test_null_pointers_and_segments_that_are_not_there_are_refused():
     assert dll.shoulder_integer_pose(array, array, ctypes.c_uint16(12), array, array) == -1
 
 
+def exported_pose(folder: Path, fit: ccgen.Fit) -> ctypes.CDLL:
+    """The integer poses of an exported joint as a library."""
+    source = ccgen.export(fit, folder).directory / "src"
+    name = fit.joint.name
+    flags = ("-shared", "-fPIC", "-O1", *UNDEFINED, f"-I{source}")
+    return ctypes.CDLL(str(compile_c([source / f"{name}_pose.c"], flags)))
+
+
+@pytest.mark.parametrize("axes", [("u", "v"), ("u",), ("v",)])
+def test_the_tips_pose_of_an_exported_joint_takes_its_angles_as_they_stand(axes, tmp_path):
+    listed = ", ".join(f'"{axis}"' for axis in axes)
+    text = joint_text(tables=f"[estimator]\naxes = [{listed}]")
+    fit = ccgen.fit(ccgen.parse(text))
+    dll, poses = exported_pose(tmp_path / "out", fit), fit.poses
+    m = poses.task.segments
+    random = np.random.default_rng(5)
+    angles = {axis: random.integers(-3000, 3000, m).astype("int16") for axis in axes}
+    held = np.concatenate([angles[axis] for axis in axes])
+    pose = np.zeros(12, "int32")
+    function = getattr(dll, f"{fit.joint.name}_integer_tip_pose")
+    assert function(ctypes.c_void_p(held.ctypes.data), ctypes.c_void_p(pose.ctypes.data)) == 0
+    zero = np.zeros(m, dtype=np.int64)
+    u, v = (angles.get(axis, zero).astype(np.int64)[None] for axis in ("u", "v"))
+    rotation, position = poses.pose(u, v)
+    np.testing.assert_array_equal(pose[:9].reshape(3, 3).T, rotation[0])
+    np.testing.assert_array_equal(pose[9:], position[0])
+    assert function(None, ctypes.c_void_p(pose.ctypes.data)) == -1
+    assert function(ctypes.c_void_p(held.ctypes.data), None) == -1
+
+
 RUN = """
 #include "{name}_pose.h"
 int{precision}_t u[{segments}], v[{segments}], h[{sections}];

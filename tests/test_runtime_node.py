@@ -1,11 +1,12 @@
 """The joint's node: what goes out for what came in, and what the status says about it."""
 
 import ctypes
-import math
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from runtime_c import UNDEFINED, Frame, frame, junk, load
 from test_runtime_estimator import sample_model
 
@@ -463,16 +464,21 @@ def test_batch_jacobians_are_laid_out_row_by_row():
 
 
 @pytest.mark.parametrize(
-    ("metres", "bits", "signal"),
+    ("position", "shift", "signal"),
     [
-        (0.0, 16, 0), (1.0, 10, 1024), (-1.0, 10, -1024), (0.5, 0, 1), (-0.5, 0, -1),
-        (0.49999997, 0, 0), (1.5, 0, 2), (2.4999, 0, 2), (32766.5, 0, 32767), (1e9, 0, 32767),
-        (32767.4, 0, 32767), (32767.5, 0, 32767), (32767.9, 0, 32767), (32768.0, 0, 32767),
-        (-1e9, 0, -32767), (-32767.4, 0, -32767), (-32767.5, 0, -32767), (-32767.9, 0, -32767),
-        (-32768.0, 0, -32767), (-32766.5, 0, -32767), (-32766.4, 0, -32766),
-        (math.inf, 0, 32767), (-math.inf, 3, -32767),
-        (math.nan, 4, -32768), (0.1, 31, -32768),
+        (0, 1, 0), (1, 1, 1), (-1, 1, 0), (-2, 1, -1), (-3, 1, -1), (3, 2, 1), (1, 2, 0), (2, 2, 1),
+        (-2, 2, 0), (-3, 2, -1), (32767 << 10, 10, 32767), ((32767 << 10) + 511, 10, 32767),
+        ((32767 << 10) + 512, 10, 32767), (2**31 - 1, 10, 32767), (2**31 - 1, 16, 32767),
+        (2**31 - 1, 31, 1), (-(2**31), 31, -1), (2**30, 31, 1), (-(2**30), 31, 0),
+        (-(2**31), 16, -32767), (-(2**31), 10, -32767), (-(32767 << 10), 10, -32767),
+        (-(32767 << 10) - 513, 10, -32767),
     ],
 )  # fmt: skip
-def test_tip_coordinates_are_rounded_and_clipped(metres, bits, signal):
-    assert load().ccgen_tip_signal(metres, bits) == signal
+def test_tip_coordinates_are_rounded_and_clipped(position, shift, signal):
+    assert load().ccgen_tip_signal(position, shift) == signal
+
+
+@given(st.integers(-(2**31), 2**31 - 1), st.integers(1, 31))
+def test_a_tip_coordinate_is_the_nearest_and_halves_go_up(position, shift):
+    steps = (position + (1 << (shift - 1))) >> shift
+    assert load().ccgen_tip_signal(position, shift) == max(-32767, min(32767, steps))

@@ -30,6 +30,7 @@ def show_costs(costs: "Sequence[Cost]") -> None:
     show_table(table)
     console.print(
         f"Bytes of a whole node with tip pose and the compiler's own functions, {costs[0].level}: "
-        "flash is code and constants, RAM is without stack. Instructions at most; on AVR cycles.",
+        "flash is code and constants, RAM is without stack. Instructions at most, on AVR cycles, "
+        "of the parts of a snapshot and of all of it, without HEALTH.",
         soft_wrap=True,
     )

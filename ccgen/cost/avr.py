@@ -5,12 +5,17 @@ from itertools import pairwise
 from pathlib import Path
 
 from ccgen.can.transports import not_run
-from ccgen.cost.instructions import Times
+from ccgen.cost.instructions import Spent, Times
 from ccgen.errors import ToolError
 from ccgen.resources import template
 from ccgen.targets.compiler import compiler, run_compiler
 
 MCU, HERTZ = "atmega1284p", 16_000_000
+
+_ESTIMATE, _TRANSMIT, _WAS_HEALTH = 1, 4, 10
+_PARTS = (_ESTIMATE, 2, 3, _TRANSMIT, 5, _WAS_HEALTH)
+"""Numbers that the harness notes before an estimate, a tip pose, a frame received, a frame fetched
+and a frame received again; and behind a frame that was HEALTH."""
 
 _EMPTY = (7, 8)
 
@@ -42,16 +47,17 @@ def cycles(program: Path, folder: Path) -> Times:
 
 
 def _times(notes: list[tuple[int, int]]) -> Times:
-    """Cycles between notes, without those of an empty pair; a snapshot is its frames' sum."""
+    """Cycles between notes, without those of an empty pair."""
     spent = [(number, later - cycle) for (number, cycle), (_, later) in pairwise(notes)]
     empty = next(taken for number, taken in spent if number == _EMPTY[0])
-    most: dict[int, int] = {}
-    snapshots, frames = [0], []
-    for number, taken in spent:
-        most[number] = max(most.get(number, 0), taken - empty)
-        if number in (3, 4):
-            snapshots[-1] += taken - empty
-        if number == 5:
-            frames.append(taken - empty)
-            snapshots.append(0)
-    return Times(most[1], most[2], max(frames), max(snapshots), unit="cycles")
+    snapshots: list[dict[int, int]] = []
+    for place, (number, taken) in enumerate(spent):
+        if number == _ESTIMATE:
+            snapshots.append(dict.fromkeys(_PARTS, 0))
+        if number in _PARTS:
+            is_health = number == _TRANSMIT and notes[place + 2][0] == _WAS_HEALTH
+            snapshots[-1][_WAS_HEALTH if is_health else number] += taken - empty
+    return Times.of(
+        [Spent(one[1], one[2], one[5], one[3], one[4], one[_WAS_HEALTH]) for one in snapshots],
+        unit="cycles",
+    )

@@ -45,4 +45,5 @@ def source(exported: Exported) -> str:
         frames=len(sent[0]),
         messages=[message for group in sent for message in group],
         cycle_us=exported.layout.cycle_us,
+        health_id=exported.layout.frames_of("health")[0].id,
     )

@@ -22,8 +22,8 @@ class Cost:
     Attributes:
         target: its name.
         level: of the compiler's optimisation.
-        parts: bytes by part of what a node with its tip pose links, and nothing that it does not
-            call, such as SLCAN or the Jacobian; the node includes the runtime, the library is the
+        parts: bytes by part of what a node links, and nothing that it does not call, such as SLCAN
+            or kinematics in floating point; the node includes the runtime, the library is the
             compiler's.
         state_bytes: RAM that the caller owns for a whole node: state, counts, angles.
         constants_in_ram: whether tables stand in RAM as well.
@@ -79,6 +79,9 @@ class Cost:
             "instructions_per_estimate": self.times.estimate,
             "instructions_per_tip_pose": self.times.tip_pose,
             "instructions_per_frame": self.times.frame,
+            "instructions_per_receive": self.times.receive,
+            "instructions_per_transmit": self.times.transmit,
+            "instructions_per_health": self.times.health,
             "instructions_per_snapshot": self.times.snapshot,
             "parts": {
                 name: {"code_bytes": part.code, "constant_bytes": part.constants}

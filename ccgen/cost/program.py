@@ -20,7 +20,7 @@ FLAGS = (
 _OF_THE_HOST = {HOST: ("-mno-red-zone",)}
 """What a leaf uses below the stack pointer stands in no record of its frame."""
 
-CALLS = ("estimate", "tip_pose", "node_receive", "node_transmit")
+CALLS = ("estimate", "integer_tip_pose", "node_receive", "node_transmit")
 """Functions that are measured, without the joint's name."""
 
 _VARIABLES = ("counts", "frames", "joint", "angles", "pose", "node", "frame")

@@ -21,7 +21,7 @@ BEGIN, END = "<!-- ccgen cost: begin -->", "<!-- ccgen cost: end -->"
 _SECTION = re.compile(f"{re.escape(BEGIN)}.*?{re.escape(END)}\n", re.DOTALL)
 
 TITLES = (
-    "target", "code", "constants", "RAM", "stack", "estimate", "tip pose", "frame", "snapshot",
+    "target", "flash", "RAM", "stack", "receive", "estimate", "pose", "transmit", "snapshot",
 )  # fmt: skip
 
 
@@ -53,21 +53,28 @@ def markdown(costs: "Sequence[Cost]") -> str:
     """A section with one row a target."""
     lines = [
         "## What it costs", "",
-        f"Of a whole node with tip pose, compiled with `{costs[0].level}`: bytes of code and "
-        "constants with the compiler's own functions and without what only other calls link "
-        "(SLCAN, Jacobian), RAM without stack, worst-case stack; the most instructions "
-        "(AVR: cycles) that one estimate of both axes, one tip pose, one received frame and one "
-        "whole snapshot, from its frames in to its answers out, took. Measured by `ccgen cost`.",
+        f"Of a whole node with its tip pose, compiled with `{costs[0].level}`: bytes of flash, code "
+        "and constants with the compiler's own functions and without what only other calls link "
+        "(SLCAN, kinematics in floating point), RAM without stack, worst-case stack; the most "
+        "instructions (AVR: cycles) that the parts of a snapshot took, its frames received, the "
+        "estimate, the tip pose and its answer transmitted, and all of it. HEALTH, which belongs "
+        f"to no snapshot, takes {_span([cost.times.health for cost in costs])} a frame. Measured "
+        "by `ccgen cost`.",
         "", f"| {' | '.join(TITLES)} |", f"|---{'|---:' * (len(TITLES) - 1)}|",
     ]  # fmt: skip
     lines += [f"| {' | '.join(row)} |" for row in map(row_of, costs)]
     return "\n".join(lines) + "\n"
 
 
+def _span(numbers: "Sequence[int]") -> str:
+    low, high = min(numbers), max(numbers)
+    return f"{low:,}" if low == high else f"{low:,} to {high:,}"
+
+
 def row_of(cost: "Cost") -> tuple[str, ...]:
     """Cells of one target."""
     numbers = (
-        cost.code_bytes, cost.constant_bytes, cost.ram_bytes, cost.stack_bytes,
-        cost.times.estimate, cost.times.tip_pose, cost.times.frame, cost.times.snapshot,
+        cost.flash_bytes, cost.ram_bytes, cost.stack_bytes, cost.times.receive,
+        cost.times.estimate, cost.times.tip_pose, cost.times.transmit, cost.times.snapshot,
     )  # fmt: skip
     return (cost.target, *(f"{number:,}" for number in numbers))

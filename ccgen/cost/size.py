@@ -71,7 +71,7 @@ def _part(file: str, joint: str) -> str | None:
     """Which part a linked file belongs to; None for what only measures and for start-up code."""
     name = Path(file).name
     parts = {
-        f"{joint}.o": "estimator", f"{joint}_kinematics.o": "kinematics", f"{joint}_can.o": "node",
+        f"{joint}.o": "estimator", f"{joint}_pose.o": "kinematics", f"{joint}_can.o": "node",
     }  # fmt: skip
     if name in parts:
         return parts[name]

@@ -19,6 +19,7 @@ from ccgen.export.guard_context import guard_context
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
 from ccgen.export.model_context import model_context
+from ccgen.export.pose_c import pose_files
 from ccgen.export.selftest_context import selftest_context
 from ccgen.fixedpoint import Fit, FixedPointModel, fit
 from ccgen.fixedpoint.guarded_storage import guarded_json
@@ -52,6 +53,9 @@ JOINT_FILES = {
     "sensors.svg": "sensors.svg.j2",
 }
 """Generated files of the folder and their templates."""
+
+_JOINT_PARTS = ("", "_can", "_kinematics", "_pose")
+"""Behind the joint's name: its sources."""
 
 CALIBRATION_END = ".calibration.toml"
 """Behind the joint's name: the copy of its calibration file, whatever path joint.toml gives."""
@@ -136,7 +140,7 @@ def render(
     _as_filed(fitted.joint)
     joint, model = fitted.sensed, fitted.model
     layout = layout_for(joint, model.readings)
-    runtime = runtime_files()
+    runtime, poses = runtime_files(), fitted.poses
     values: dict[str, Any] = {
         **context.common_context(joint, fitted.method),
         **model_context(fitted, layout),
@@ -146,6 +150,7 @@ def render(
         "drawing": arrangement_context(joint),
         **selftest_context(joint, fitted.guarded, layout, fitted.shapes),
         "zeros": model.readings.zero.tolist(),
+        "tip_shift": poses.position_bits - layout.tip_fraction_bits,
         "kinematics": kinematics_context(
             joint.name,
             joint.geometry.segments,
@@ -155,12 +160,14 @@ def render(
             joint.geometry.sections if "h" in model.axes else (),
         ),
         "runtime_sources": sorted(f for f in runtime if f.endswith(".c") and f.startswith("src/")),
-        "joint_sources": [f"src/{joint.name}{part}.c" for part in ("", "_can", "_kinematics")],
+        "joint_sources": [f"src/{joint.name}{part}.c" for part in _JOINT_PARTS],
     }
     texts = {
         path.format(name=joint.name): resources.template(template).render(values)
         for path, template in JOINT_FILES.items()
     }
+    for file, text in pose_files(joint.name, poses, tuple(model.axes)).items():
+        texts[f"src/{file}"] = text
     texts[f"{joint.name}.dbc"] = dbc_text(layout, joint, model)
     texts["model.json"] = guarded_json(fitted.guarded)
     files = runtime | {"joint.toml": joint.content, "LICENSE": resources.licence().read_bytes()}

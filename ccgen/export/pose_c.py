@@ -1,5 +1,6 @@
 """Integer poses in C: what the templates pose.h.j2 and pose.c.j2 are filled with."""
 
+from collections.abc import Collection
 from itertools import accumulate
 from typing import Any
 
@@ -9,14 +10,15 @@ from ccgen.fixedpoint.pose import PoseModel
 from ccgen.polynomial.c_text import c_context
 
 
-def pose_files(name: str, model: PoseModel) -> dict[str, str]:
+def pose_files(name: str, model: PoseModel, axes: Collection[str] = ()) -> dict[str, str]:
     """The C file and header of a joint's integer poses, by file name.
 
     Args:
         name: of the joint.
         model: its poses.
+        axes: those that the joint's header has; none where there is no such header.
     """
-    values = _context(name, model)
+    values = _context(name, model) | {"axes": axes}
     return {
         f"{name}_pose.{ending}": resources.template(f"pose.{ending}.j2").render(values)
         for ending in ("h", "c")

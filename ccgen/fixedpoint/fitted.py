@@ -104,9 +104,9 @@ class Fit(FittedWeights):
         Raises:
             FormatError: as of `model`, or the angles reach too far for poses of 32 bits.
         """
-        from ccgen.fixedpoint.pose_plan import pose_model, pose_task
+        from ccgen.fixedpoint.pose_plan import closest_poses, pose_task
 
-        return pose_model(pose_task(self.sensed, self.model, self._held))
+        return closest_poses(pose_task(self.sensed, self.model, self._held))
 
     @cached_property
     def guarded(self) -> GuardedModel:

@@ -1,6 +1,7 @@
 """Plans integer poses, and proves how exact they are."""
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 
@@ -31,6 +32,9 @@ ANGLE_LIMIT = 4.0
 TARGETS = {16: 4e-6, 32: 5e-7}
 """By precision, the error of the tip that plans are made for, as a share of the length."""
 
+LAXEST = 64
+"""Times the error that plans are made for: still below half a step of the TIP frame's signals."""
+
 CHORD_REACH = Fraction(101, 100)
 """Longest chord of a segment of length 1, rounding and all."""
 
@@ -45,8 +49,24 @@ serves.
 """
 
 
-def pose_model(task: PoseTask) -> PoseModel:
-    """Plan poses that are proven as exact as `TARGETS` say.
+def closest_poses(task: PoseTask) -> PoseModel:
+    """Plan poses as exact as `TARGETS` say, or nearly so where no plan of 32 bits is.
+
+    Raises:
+        FormatError: the angles reach too far, or no plan is within `LAXEST` times that.
+    """
+    for lax in (1, 4, 16):
+        with suppress(FormatError):
+            return pose_model(task, lax * TARGETS[task.precision])
+    return pose_model(task, LAXEST * TARGETS[task.precision])
+
+
+def pose_model(task: PoseTask, target: float | None = None) -> PoseModel:
+    """Plan poses that are proven as exact as is aimed at.
+
+    Args:
+        task: what they are made for.
+        target: error of the tip as a share of the length; what `TARGETS` say unless it is given.
 
     Raises:
         FormatError: the angles reach too far, or no plan of 32 bits is as exact.
@@ -56,7 +76,7 @@ def pose_model(task: PoseTask) -> PoseModel:
             f"the angle format reaches {float(task.full_angle):g} rad a segment, integer poses at "
             f"most {ANGLE_LIMIT:g}; use more segments or a smaller range of motion"
         )
-    target = TARGETS[task.precision]
+    target = target or TARGETS[task.precision]
     degrees = _degrees(task, target / 10)
     place = _place(task, target * task.length / 20)
     for frame, chord in _SHARES:

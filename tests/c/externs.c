@@ -25,6 +25,7 @@
 #define ccgen_snapshot_receive inlined_snapshot_receive
 #define ccgen_snapshot_tick inlined_snapshot_tick
 #define ccgen_snapshot_age_ms inlined_snapshot_age_ms
+#define ccgen_tip_signal inlined_tip_signal
 #define ccgen_node_init inlined_node_init
 #define ccgen_node_receive inlined_node_receive
 #define ccgen_node_counts16 inlined_node_counts16
@@ -36,6 +37,7 @@
 
 #include "ccgen/command_inline.h"
 #include "ccgen/node_inline.h"
+#include "ccgen/tip.h"
 
 #undef ccgen_e2e_key
 #undef ccgen_e2e_check
@@ -60,6 +62,7 @@
 #undef ccgen_snapshot_receive
 #undef ccgen_snapshot_tick
 #undef ccgen_snapshot_age_ms
+#undef ccgen_tip_signal
 #undef ccgen_node_init
 #undef ccgen_node_receive
 #undef ccgen_node_counts16
@@ -68,6 +71,11 @@
 #undef ccgen_node_transmit16
 #undef ccgen_node_transmit32
 #undef ccgen_node_unsent
+
+int16_t ccgen_tip_signal(int32_t position, uint8_t shift);
+int16_t ccgen_tip_signal(const int32_t position, const uint8_t shift) {
+    return inlined_tip_signal(position, shift);
+}
 
 uint16_t ccgen_e2e_key(ccgen_e2e_profile_t profile, uint16_t data_id);
 uint16_t ccgen_e2e_key(const ccgen_e2e_profile_t profile, const uint16_t data_id) {

@@ -268,16 +268,12 @@ SLCAN = of(
 )
 
 TIP = of(
-    "src/tip.c",
+    "include/ccgen/tip.h",
     ("test_runtime_node.py",),
-    ("(metres != metres) || ", ""),
-    ("FRACTION_BITS_MAX 30u", "FRACTION_BITS_MAX 31u"),
-    ("if (steps >= (float)TIP_LIMIT) {", "if (steps >= (float)TIP_LIMIT + 1.0f) {"),
-    ("if (steps <= -(float)TIP_LIMIT) {", "if (steps <= -(float)TIP_LIMIT - 1.0f) {"),
-    ("return -TIP_LIMIT;", "return INT16_MIN;"),
-    ("rest >= 0.5f", "rest > 0.5f"),
-    ("rest <= -0.5f", "rest < -0.5f"),
-    ("(whole - 1)", "(whole)"),
+    ("position >> (shift - 1u)", "position >> shift"),
+    ("+ (doubled & 1)", ""),
+    ("if (steps > CCGEN_TIP_LIMIT)", "if (steps > CCGEN_TIP_LIMIT + 1)"),
+    ("(steps < -CCGEN_TIP_LIMIT)", "(steps < -CCGEN_TIP_LIMIT - 1)"),
     chosen="tip",
 )
 

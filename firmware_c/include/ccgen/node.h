@@ -19,7 +19,7 @@
  *
  * State belongs to the caller, and one context at a time works on it: an interrupt that receives
  * frames hands them over (see queue.h). Times are those of snapshot.h. No heap, no globals, no
- * float (see tip.h for the conversion).
+ * float.
  */
 #ifndef CCGEN_NODE_H
 #define CCGEN_NODE_H

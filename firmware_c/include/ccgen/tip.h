@@ -1,29 +1,29 @@
 /**
  * \file tip.h
- * \brief The tip position as signals of the TIP frame.
- *
- * The only float in the runtime; leave it out where the kinematics are left out.
+ * \brief The tip position as signals of the TIP frame, from integers.
  */
 #ifndef CCGEN_TIP_H
 #define CCGEN_TIP_H
 
 #include "ccgen/check.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+/** Largest signal; its negative is the least, and "no reading" lies below. */
+#define CCGEN_TIP_LIMIT 32767
 
 /**
- * Converts one coordinate to steps of 2^-fraction_bits m, rounded to nearest, halves away from 0.
- * \param[in] metres
- * \param[in] fraction_bits  0 to 30
- * \return clipped to +-32767; INT16_MIN, "no reading", for what is not a number or for more
- *         fraction bits
+ * Rounds a coordinate to the steps of the signal, halves up.
+ * \param[in] position  in steps of a pose's position
+ * \param[in] shift     a signal's step is 2^shift of them; 1 to 31
+ * \return clipped to +-CCGEN_TIP_LIMIT
  */
-int16_t ccgen_tip_signal(float metres, uint8_t fraction_bits);
-
-#ifdef __cplusplus
+CCGEN_INLINE int16_t ccgen_tip_signal(const int32_t position, const uint8_t shift) {
+    const int32_t doubled = position >> (shift - 1u);
+    const int32_t steps = (doubled >> 1) + (doubled & 1); /* adding the half first may overflow */
+    if (steps > CCGEN_TIP_LIMIT) {
+        return CCGEN_TIP_LIMIT;
+    }
+    return (steps < -CCGEN_TIP_LIMIT) ? CCGEN_CAST(int16_t, -CCGEN_TIP_LIMIT)
+                                      : CCGEN_CAST(int16_t, steps);
 }
-#endif
 
 #endif /* CCGEN_TIP_H */

@@ -4,6 +4,8 @@
 #include "ccgen/node_inline.h"
 #include "ccgen/tip.h"
 
+#define SAMPLE_POSITION_BITS 28
+
 #ifndef SAMPLE_PUBLISH
 #define SAMPLE_PUBLISH (CCGEN_PUBLISH_ANGLES | CCGEN_PUBLISH_TIP | CCGEN_PUBLISH_STATUS)
 #endif
@@ -49,7 +51,8 @@ static int estimate(sample_node_t *const node) {
     const int result = sample_estimate(&node->joint, &counts, &node->angles);
     if ((result == CCGEN_OK) && (sample_tip_pose(&node->angles, &pose) == CCGEN_OK)) {
         for (uint8_t k = 0; k < 3u; ++k) {
-            tip[k] = ccgen_tip_signal(pose.position[k], SAMPLE_TIP_FRACTION_BITS);
+            const int32_t position = (int32_t)(pose.position[k] * (1 << SAMPLE_POSITION_BITS));
+            tip[k] = ccgen_tip_signal(position, SAMPLE_POSITION_BITS - SAMPLE_TIP_FRACTION_BITS);
         }
     }
     return ccgen_node_publish(&sample_layout, &node->node, result,
