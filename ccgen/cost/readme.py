@@ -53,13 +53,13 @@ def markdown(costs: "Sequence[Cost]") -> str:
     """A section with one row a target."""
     lines = [
         "## What it costs", "",
-        f"Of a whole node with its tip pose, compiled with `{costs[0].level}`: bytes of flash, code "
-        "and constants with the compiler's own functions and without what only other calls link "
-        "(SLCAN, kinematics in floating point), RAM without stack, worst-case stack; the most "
-        "instructions (AVR: cycles) that the parts of a snapshot took, its frames received, the "
-        "estimate, the tip pose and its answer transmitted, and all of it. HEALTH, which belongs "
-        f"to no snapshot, takes {_span([cost.times.health for cost in costs])} a frame. Measured "
-        "by `ccgen cost`.",
+        f"Of a whole node with its tip pose, compiled with `{costs[0].level}`: bytes of flash, "
+        "code and constants with the compiler's own functions and without what only other calls "
+        "link (SLCAN, kinematics in floating point), RAM without stack, worst-case stack; the "
+        "most instructions (AVR: cycles) that the parts of a snapshot took, its frames received, "
+        "the estimate, the tip pose and its answer transmitted, and all of it. HEALTH, which "
+        f"belongs to no snapshot, takes {_span([cost.times.health for cost in costs])} a frame. "
+        "Measured by `ccgen cost`.",
         "", f"| {' | '.join(TITLES)} |", f"|---{'|---:' * (len(TITLES) - 1)}|",
     ]  # fmt: skip
     lines += [f"| {' | '.join(row)} |" for row in map(row_of, costs)]
