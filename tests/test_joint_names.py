@@ -75,7 +75,11 @@ def folders(tmp_path_factory):
 
 def words_of(paths):
     """Words of texts, without those of comments and strings."""
-    text = "\n".join(path.read_text() for path in paths)
+    return words_in("\n".join(path.read_text() for path in paths))
+
+
+def words_in(text):
+    """The same of one text."""
     text = re.sub(r"/\*.*?\*/|//[^\n]*|\"[^\"\n]*\"", " ", text, flags=re.S)
     return set(re.findall(r"[A-Za-z_]\w*", text))
 
@@ -91,7 +95,7 @@ def brought(folders):
             f for f in files if f.suffix == ".h" or (f.suffix == ".c" and f.parent.name != "ccgen")
         ]
         kinds["c"] |= words_of(code)
-        kinds["c"] |= set(re.findall(r"[A-Za-z_]\w*", harness.source(open_exported(folder))))
+        kinds["c"] |= words_in(harness.source(open_exported(folder)))
         kinds["dbc"] |= words_of(folder.glob("*.dbc"))
         kinds["targets"] |= words_of(f for f in files if f.name in ("CMakeLists.txt", "Kconfig"))
         kinds["files"] |= {file.name for file in files if SAMPLE in file.name}
