@@ -315,6 +315,13 @@ def test_a_fitted_joint_has_poses_in_the_formats_of_its_angles():
     assert poses.bounds.position <= 4e-6 * 0.24
 
 
+def test_segments_that_bend_far_about_both_axes_have_poses_as_exact():
+    """Intervals then need a bit more of room than a turn about one axis does."""
+    found = pose_model(PoseTask((12,), 0.02, 16, (16, 16), 0.278))
+    assert found.frame_bits == 29
+    assert found.bounds.position <= TARGETS[16] * found.task.length
+
+
 def test_angles_that_reach_too_far_are_refused():
     with pytest.raises(FormatError, match=r"format reaches 7\.99976 rad a segment"):
         pose_model(PoseTask((2,), 0.1, 16, (12, 15), 3.0))

@@ -79,14 +79,16 @@ def pose_model(task: PoseTask, target: float | None = None) -> PoseModel:
     target = target or TARGETS[task.precision]
     degrees = _degrees(task, target / 10)
     place = _place(task, target * task.length / 20)
-    for frame, chord in _SHARES:
-        try:
-            turn = _turn(task, degrees, frame * target, chord * target)
-        except FormatError:
-            break  # smaller shares need still more bits
-        bounds = _bounds(task, turn, place, degrees)
-        if bounds and bounds[0].position <= target * task.length:
-            return PoseModel(task, turn, place, *bounds)
+    most_bits = _frame_bits(float(task.full_angle))
+    for frame_bits in range(most_bits, most_bits - 3, -1):
+        for frame, chord in _SHARES:
+            try:
+                turn = _turn(task, degrees, frame * target, chord * target, frame_bits)
+            except FormatError:
+                break  # smaller shares need still more bits
+            bounds = _bounds(task, turn, place, degrees)
+            if bounds and bounds[0].position <= target * task.length:
+                return PoseModel(task, turn, place, *bounds)
     raise FormatError(
         f"no plan of 32 bits has poses of {task.segments} segments within {target:g} of the length "
         f"for angles up to {float(task.full_angle):.3g} rad; use fewer segments or "
@@ -110,7 +112,9 @@ def _degrees(task: PoseTask, share: float) -> Degrees:
     raise AssertionError("the series converges faster")
 
 
-def _turn(task: PoseTask, degrees: Degrees, frame: float, chord: float) -> Compiled:
+def _turn(
+    task: PoseTask, degrees: Degrees, frame: float, chord: float, frame_bits: int
+) -> Compiled:
     """One segment's plan; frames after all segments and every chord may err by so much."""
     one = float(1 + FRAME_MARGIN)
     u, v = (
@@ -118,7 +122,6 @@ def _turn(task: PoseTask, degrees: Degrees, frame: float, chord: float) -> Compi
         for bits in task.fraction_bits
         for end in [task.largest * 2.0**-bits]
     )
-    frame_bits = _frame_bits(float(task.full_angle))
     inputs = {"frame": Input((-one, one), frame_bits, 32, held=True), "u": u, "v": v}
     outputs = {
         "distal": Output(frame / (3 * max(task.segments - 1, 1)), frame_bits),
@@ -128,7 +131,10 @@ def _turn(task: PoseTask, degrees: Degrees, frame: float, chord: float) -> Compi
 
 
 def _frame_bits(angle: float) -> int:
-    """Fraction bits of a frame, with room for what intervals think that a turn could make of it."""
+    """Most fraction bits of a frame with room for what intervals think a turn about one axis does.
+
+    Where both axes bend far, intervals may need a bit more.
+    """
     reach = 1.01 + angle * (1 + angle + angle**2 / 3 + angle**3 / 6)
     return 31 - math.ceil(math.log2(reach))
 
