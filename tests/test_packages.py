@@ -174,7 +174,7 @@ def test_two_joints_link_into_one_cmake_program(exported, tmp_path, core, way):
     project = tmp_path / "project"
     project.mkdir()
     build = cmake(consumer(exported, project, way), tmp_path / "build", *options)
-    symbols = ("ccgen_node_init", "shoulder_estimate", "wrist_estimate")
+    symbols = ("ccgen_crc8_table", "shoulder_estimate", "wrist_estimate")
     assert defined_once(build / "app", NM[core], *symbols)
     if core == "host":
         run(build / "app")
@@ -230,7 +230,7 @@ def test_zephyr_modules_define_the_runtime_once_in_whole_archives(exported, tmp_
     (tmp_path / "main.c").write_text(program)
     (tmp_path / "CMakeLists.txt").write_text(ZEPHYR)
     build = cmake(tmp_path, tmp_path / "build", f"-DWITH_WRIST={with_wrist}")
-    assert defined_once(build / "app", "nm", "ccgen_node_init", "shoulder_estimate")
+    assert defined_once(build / "app", "nm", "ccgen_crc8_table", "shoulder_estimate")
     assert defined_once(build / "app", "nm", "wrist_estimate") == bool(with_wrist)
     run(build / "app")
 
@@ -253,7 +253,7 @@ def test_esp_idf_components_link_into_one_program(exported, tmp_path):
     consumer(exported, tmp_path, "add_subdirectory")
     (tmp_path / "CMakeLists.txt").write_text(ESP_IDF)
     build = cmake(tmp_path, tmp_path / "build")
-    assert defined_once(build / "app", "nm", "ccgen_node_init", "wrist_estimate")
+    assert defined_once(build / "app", "nm", "ccgen_crc8_table", "wrist_estimate")
     run(build / "app")
 
 
