@@ -167,6 +167,7 @@ def test_every_value_equals_the_model_over_every_transport(exports, name):
 def test_a_tip_beyond_its_frame_is_compared_where_it_saturates(exports):
     _, exported = exports("stretched")
     counts = bus_counts(exported, 300, 0)
+    counts = counts[(counts != -(2**15)).all(axis=1)]  # those that miss no reading
     far = pose_positions(exported, exported.model.estimate(counts))
     assert np.abs(far).max() * 2**exported.layout.tip_fraction_bits > 2**15
     for run in verify_host(exported, Plan(snapshots=300, values=1_000), silent, LEVEL):
@@ -230,7 +231,7 @@ def test_counts_are_readings_around_any_accepted_zero_and_no_farther(exports, li
                 counts = np.stack([zero, zero])
                 counts[:, j] = end[j], end[j] + beyond
                 values, results = batch.estimate(counts, zero)
-                assert results.tolist() == [0, -2]
+                assert results[0] == 0 < results[1]  # an axis that reads it is degraded or lost
                 right = exported.model.estimate(counts[:1], zero)
                 np.testing.assert_array_equal(values[:1], right)
 

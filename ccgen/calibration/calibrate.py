@@ -39,8 +39,6 @@ LARGEST_GAIN_STD = 0.1
 
 _LEAST_MOTION = 5.0
 """Root mean square motion of a sensor, in deviations of its noise, that shows its gain."""
-_LEAST_SCALE = 1e-9
-"""Metres."""
 _ALIKE = 0.8
 """Correlation of readings with what they should be above which their plain gain is believed."""
 _LEFT_OUT = ("swapped", "stuck")
@@ -166,25 +164,9 @@ def _noise(joint: Joint, sources: Sources) -> _Noise:
             value, std = np.where(better, held.noise, value), np.where(better, held.noise_std, std)
         return _Noise(value, std)
     followed = sources.followed
-    value = followed[0].noise * _scale(followed, own=True) / _scale(followed, own=False)
+    value = followed[0].noise
     independent = sum(_independent(one) for one in followed)
     return _Noise(value, value / np.sqrt(2.0 * np.maximum(independent, 1.0)))
-
-
-def _scale(followed: Sequence[Followed], own: bool) -> Floats:
-    """Robust scale of misfits, shape (n,): at the sensors' own times, or at the reference's.
-
-    Readings are laid between each other on the reference's clock, which averages their noise.
-    """
-    misfits = [one.misfit(own) for one in followed]
-    apart = np.abs(np.concatenate([one - _middle(one) for one in misfits]))
-    return np.maximum(_middle(apart), _LEAST_SCALE)
-
-
-def _middle(values: Floats) -> Floats:
-    """Median of each column without NaN; 0 for a column of nothing else."""
-    empty = np.isnan(values).all(axis=0)
-    return np.asarray(np.nanmedian(np.where(empty, 0.0, values), axis=0))
 
 
 def _independent(one: Followed) -> Floats:

@@ -38,7 +38,7 @@ def kinematics_context(
     """Values that the templates kinematics.h.j2 and kinematics.c.j2 know as `kinematics`.
 
     Args:
-        name: the joint's name, for messages.
+        name: where the joint stands, for messages.
         segments: number of segments.
         segment_length: length of one segment's neutral axis at no elongation, metres.
         precision: bits of an angle, 16 or 32.

@@ -152,7 +152,7 @@ def render(
         "zeros": model.readings.zero.tolist(),
         "tip_shift": poses.position_bits - layout.tip_fraction_bits,
         "kinematics": kinematics_context(
-            joint.name,
+            f"{joint.source}: geometry.range_of_motion",
             joint.geometry.segments,
             joint.geometry.segment_length,
             joint.precision,

@@ -29,6 +29,9 @@ _COSTS = 1.01
 _NEGLIGIBLE = 1e-4
 """and ranges of motion (lengths for "h") more, as much as rounding adds anyway."""
 
+_BEARABLE = 1.0
+"""% of the range of motion that rounding may add to a sound axis for the sake of its fallbacks."""
+
 
 @dataclass(frozen=True, eq=False)
 class ServedAxis:
@@ -62,8 +65,13 @@ def quantise_with_fallbacks(
     """
     joint = task.joint
     allowed = [_allowed(task, axis, one) for one in lost]
+    model = quantise_axis(joint, axis, weights, shapes)
+    bearable = max(model.worst_error_percent_rom, _BEARABLE)
     for coarser in range(_COARSER + 1):
-        model = quantise_axis(joint, axis, weights, shapes, coarser)
+        following = quantise_axis(joint, axis, weights, shapes, coarser)
+        if following.worst_error_percent_rom > bearable:
+            break
+        model = following
         limit = weight_limit(model) / _gain_per_weight(joint, axis)
         kept = [None if one is None else held(task, axis, one, limit) for one in lost]
         fits = all(

@@ -95,7 +95,7 @@ class MomentModel:
         left = np.zeros(len(catalogue))
         for axis in self.axes:
             S, N = axis.matrices(others)
-            inverse = np.linalg.inv(S)
+            inverse = _inverse(S)
             s, n = axis.pairs(catalogue[:, None, :], others[None])
             variance, judged = axis.own(catalogue)
             told = s @ inverse
@@ -110,11 +110,23 @@ class MomentModel:
         left = np.zeros(len(spans))
         for axis in self.axes:
             S, N = axis.matrices(spans)
-            left += axis.total - np.trace(np.linalg.solve(S, N), axis1=-2, axis2=-1)
+            left += axis.total - np.trace(_solved(S, N), axis1=-2, axis2=-1)
         return self._percent(left)
 
     def _percent(self, left: Floats) -> Floats:
         return np.asarray(100.0 * np.sqrt(np.maximum(left, 0.0)) / self.unit)
+
+
+def _solved(S: Floats, N: Floats) -> Floats:
+    """S⁻¹ N; where sensors tell the same, to the last bit, what they tell together counts once."""
+    try:
+        return np.asarray(np.linalg.solve(S, N))
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.pinv(S, hermitian=True) @ N)
+
+
+def _inverse(S: Floats) -> Floats:
+    return _solved(S, np.broadcast_to(np.eye(S.shape[-1]), S.shape))
 
 
 def _prefix(matrix: Floats) -> Floats:

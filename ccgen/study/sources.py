@@ -11,6 +11,7 @@ _SOURCES = (
     *("digits.py", "joint/places.py", "joint/specification.py"),
     *("kinematics/__init__.py", "kinematics/tip.py", "kinematics/uvh.py", "shapes"),
     *("sensing/__init__.py", "sensing/noise.py", "sensing/readings.py"),
+    *("recordings/__init__.py", "recordings/progress.py"),
     *("estimation", "placement", "study/joints.py", "study/paper.py"),
 )
 """What `ccgen.study.joints` needs of this package, errors' texts aside."""
