@@ -106,7 +106,11 @@ class Fit(FittedWeights):
         """
         from ccgen.fixedpoint.pose_plan import closest_poses, pose_task
 
-        return closest_poses(pose_task(self.sensed, self.model, self._held))
+        task = pose_task(self.sensed, self.model, self._held)
+        try:
+            return closest_poses(task)
+        except FormatError as error:
+            raise FormatError(f"{self.joint.source}: geometry.range_of_motion: {error}") from None
 
     @cached_property
     def guarded(self) -> GuardedModel:
