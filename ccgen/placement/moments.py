@@ -118,7 +118,7 @@ class MomentModel:
 
 
 def _solved(S: Floats, N: Floats) -> Floats:
-    """S⁻¹ N; where sensors tell the same, to the last bit, what they tell together counts once."""
+    """S^-1 N; where sensors tell the same, to the last bit, what they tell together counts once."""
     try:
         return np.asarray(np.linalg.solve(S, N))
     except np.linalg.LinAlgError:
