@@ -196,6 +196,21 @@ def test_an_answer_that_is_taken_back_before_the_first_health_takes_nothing_from
     assert node.fetch() == expected
 
 
+@pytest.mark.parametrize("turn", [2**32 + 2 * CYCLE, 2**32 + SECOND // 20])
+def test_while_an_answer_is_taken_back_the_clock_may_come_round(turn):
+    """What was due long ago is due, though the clock says that it was sent a moment ago."""
+    node = Node()
+    node.fetch()
+    for message in node.codec.encode(list(REST), 0):
+        node.receive(message)
+    for now in (*range(0, turn, 2**30), turn):
+        node.now = now
+        assert node.fetch(at_most=1)[0].kind in {"angles", "status", "health"}
+        assert node.c.ccgen_shared_node_unsent(node.state) == 1
+    kinds = [d.kind for d in node.fetch()]
+    assert {"status", "health"} <= set(kinds)
+
+
 def test_an_answer_that_is_taken_back_brings_no_health_of_its_own():
     node = Node()
     node.fetch()

@@ -164,10 +164,6 @@ NODE = of(
     ("(has_u || (layout->rows[0] == 0u))", "true"),
     ("(has_v || (layout->rows[1] == 0u))", "true"),
     ("(has_h || (layout->rows[2] == 0u))", "has_h"),
-    (
-        "((node->snapshot.now_us - node->looked_us) >= layout->cycle_us)",
-        "false",
-    ),
     ("!answers || !ccgen_snapshot_pass", "!ccgen_snapshot_pass"),
     ("ccgen_put16(signal, INT16_MIN)", "ccgen_put16(signal, 0)"),
     ("ccgen_put32(signal, INT32_MIN)", "ccgen_put32(signal, 0)"),
@@ -267,6 +263,10 @@ CAPTURE = of(
 NODE_AND_HEALTH = of(
     "include/ccgen/node_inline.h",
     ("test_runtime_node_calls.py", "test_runtime_health.py"),
+    (
+        "((node->snapshot.now_us - node->looked_us) >= layout->cycle_us)",
+        "false",
+    ),
     (
         "    node->next = (uint16_t)(node->next + 1u);\n    return 1;",
         "        node->next = (uint16_t)(node->next + 2u);\n",
