@@ -127,6 +127,14 @@ def test_what_does_not_follow_from_the_rest_is_refused(name, value):
     assert not load().ccgen_layout_valid(ctypes.byref(layout))
 
 
+def test_every_frame_of_a_list_holds_its_signals_and_not_the_last_one_alone():
+    """Two frames of six counts, of which the last has one: 12 bytes do not go into a frame."""
+    layout = completed(CLASSIC, counts_per_frame=6, lengths_frames=2)
+    layout.counts_per_frame, layout.lengths_frames = 6, 2
+    layout.last_lengths_bytes = 8
+    assert not load().ccgen_layout_valid(ctypes.byref(layout))
+
+
 def test_on_can_fd_what_does_not_hold_the_signals_is_refused():
     assert load().ccgen_layout_valid(ctypes.byref(completed(FD, keys=None)))
     for name, least in (("last_lengths_bytes", 7), ("last_angles_bytes", 27), ("single_bytes", 9)):

@@ -73,7 +73,11 @@ LAYOUT = of(
     ("CCGEN_LAYOUT_TURNS 16u", "CCGEN_LAYOUT_TURNS 15u"),
     ("(frame_bytes <= layout->frame_bytes) &&", ""),
     ("(payload + ccgen_layout_header(layout))", "(payload + 2u)"),
-    ("(places >= list->signals) && ", ""),
+    (
+        "(places >= list->signals) && ",
+        "",
+        "what is spare of too few places wraps to a number beyond the places of every frame",
+    ),
     ("(spare < list->per_frame)", "true"),
     ("(uint16_t)(last * list->bytes)", "list->bytes"),
     ("(uint16_t)(list->per_frame * list->bytes)", "list->bytes"),
