@@ -82,14 +82,14 @@ def test_a_snapshot_of_frames_that_the_converter_interrupts_is_lost_and_none_is_
 
 
 def test_frames_after_the_own_snapshot_are_held_against_its_number():
-    snapshot = Own()
-    snapshot.own(0)
-    snapshot.own(CYCLE)  # number 1
+    snapshot, began = Own(), 100 * CYCLE
+    snapshot.own(began)
+    snapshot.own(began + CYCLE)  # number 1
     old, *_ = frames_of(CLASSIC, 0, [0] * 7)
-    snapshot.receive(old, 3 * CYCLE)  # not silent yet, for the own one was heard
+    snapshot.receive(old, began + 4 * CYCLE)  # not silent yet, for the own one was heard
     assert snapshot.counters == {"snapshots": 2, "reordered": 1}
     for sent in frames_of(CLASSIC, 2, [9] * 7):
-        done = snapshot.receive(sent, 3 * CYCLE)
+        done = snapshot.receive(sent, began + 4 * CYCLE)
     assert (done, snapshot.number) == (1, 2)
 
 

@@ -406,6 +406,20 @@ def test_a_sender_that_restarts_is_heard_after_three_cycles_of_silence():
     assert snapshot.faults() == REORDERED | STALE
 
 
+@pytest.mark.parametrize("told", ["by the layout", "by a call"])
+def test_silence_is_as_long_as_a_window_that_is_wider_than_three_cycles(told):
+    wide = 20 * CYCLE
+    if told == "by the layout":
+        snapshot = Snapshot(completed(CLASSIC, window_us=wide))
+    else:
+        snapshot = Snapshot()
+        assert snapshot.c.ccgen_snapshot_set_window(snapshot.state, ctypes.c_uint32(wide)) == 0
+    send(snapshot, 9, 0)
+    assert send(snapshot, 2, wide) == [0, 0, 0]
+    assert send(snapshot, 2, wide + 1) == [0, 0, 1]
+    assert snapshot.counters == {"snapshots": 2, "reordered": 3}
+
+
 def test_frames_from_the_past_do_not_keep_a_restarted_sender_out():
     """It goes on sending at its cycle, and is taken up once three cycles have passed."""
     snapshot = Snapshot()
