@@ -8,7 +8,7 @@ from ccgen.joint import reserved
 LONGEST_NAME = 20
 """Longest name: the DBC allows 32 characters, and `_LENGTHS_15` and the like must follow."""
 
-_OURS = ("ccgen", "port_", "pthread_")
+_OURS = ("ccgen", "can_", "port_", "pthread_")
 """Beginnings of names of the runtime, of the ports, and of POSIX threads."""
 
 ENDINGS = (
