@@ -5,6 +5,7 @@ Every choice is among forms that fit 32 bits; how exact each is, is estimated he
 where they differ most.
 """
 
+import functools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -179,12 +180,13 @@ class Builder:
     def _judged(
         self, form: _Form, operands: tuple[int, int], need: int
     ) -> tuple[bool, float, float]:
+        if form.error > 1.01 * math.ldexp(1.0, -need):
+            return (True, form.error, form.error)
         cost = form.cost + sum(
             self._shift_cost(k, bits, form.nearest)
             for k, bits in zip(operands, form.shifts, strict=True)
         )
-        enough = form.error <= 1.01 * math.ldexp(1.0, -need)
-        return (not enough, cost if enough else form.error, form.error)
+        return (False, cost, form.error)
 
     def _shift_cost(self, a: int, bits: int, nearest: bool) -> int:
         step = self._cut(a, bits, nearest)
@@ -216,10 +218,11 @@ class Builder:
         return made
 
     def _judged_scaled(self, one: _Scaled, a: int, need: int) -> tuple[bool, float, float]:
+        if one.form.error > 1.01 * math.ldexp(1.0, -need):
+            return (True, one.form.error, one.form.error)
         bits = one.form.shifts[1 if one.first else 0]
         cost = one.form.cost + self._shift_cost(a, bits, one.form.nearest)
-        enough = one.form.error <= 1.01 * math.ldexp(1.0, -need)
-        return (not enough, cost if enough else one.form.error, one.form.error)
+        return (False, cost, one.form.error)
 
     def _scaled_forms(self, a: int, factor: Fraction, need: int) -> Iterator[_Scaled]:
         """Products with the constant in some lengths; it is never shifted."""
@@ -272,8 +275,16 @@ def _lengths(factor: Fraction, enough: float) -> list[int]:
     return found
 
 
-def _forms(sizes: Sequence[int], formats: Sequence[int], need: int) -> Iterator[_Form]:
-    """Ways to multiply integers of these largest sizes in these formats."""
+@functools.lru_cache(maxsize=4096)
+def _forms(sizes: tuple[int, int], formats: tuple[int, int], need: int) -> tuple[_Form, ...]:
+    """Ways to multiply integers of these largest sizes in these formats.
+
+    Plans for one task differ in few of them.
+    """
+    return tuple(_every_form(sizes, formats, need))
+
+
+def _every_form(sizes: Sequence[int], formats: Sequence[int], need: int) -> Iterator[_Form]:
     (a, b), (fa, fb) = sizes, formats
     for ta in range(max(1, a.bit_length())):
         tb = max(0, (a >> ta).bit_length() + b.bit_length() - 31)

@@ -31,13 +31,19 @@ class Interval:
         return Interval(-self.high, -self.low)
 
     def __mul__(self, other: "Interval") -> "Interval":
-        ends = (
-            self.low * other.low,
-            self.low * other.high,
-            self.high * other.low,
-            self.high * other.high,
-        )
-        return Interval(min(ends) >> POINT, -(-max(ends) >> POINT))
+        a, b, c, d = self.low, self.high, other.low, other.high
+        # By signs, most products of intervals need two products of their ends.
+        if a >= 0:
+            low, high = (a if c >= 0 else b) * c, (b if d >= 0 else a) * d
+        elif b <= 0:
+            low, high = (a if d >= 0 else b) * d, (b if c >= 0 else a) * c
+        elif c >= 0:
+            low, high = a * d, b * d
+        elif d <= 0:
+            low, high = b * c, a * c
+        else:
+            low, high = min(a * d, b * c), max(a * c, b * d)
+        return Interval(low >> POINT, -(-high >> POINT))
 
     def squared(self) -> "Interval":
         """The squares of all numbers; narrower than the product with itself."""

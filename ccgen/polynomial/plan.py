@@ -20,13 +20,13 @@ rounding, which the proof adds up.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from typing import TypeVar
 
 from ccgen.polynomial.enclosures import Enclosure, Ends
-from ccgen.polynomial.intervals import Interval, power_of_two
+from ccgen.polynomial.intervals import ZERO, Interval, power_of_two
 from ccgen.polynomial.specification import Variable
 
 PRODUCTS = {"low": 0, "word": 16, "high": 32}
@@ -53,7 +53,7 @@ class Step:
     fraction_bits: int
     shift: int = 0
     value: int = 0
-    exact: Fraction = Fraction(0)
+    exact: Fraction = field(default=Fraction(0), hash=False)  # which takes long to hash
 
     def meant(self, operands: Sequence[Number]) -> Number:
         """What a step that has operands stands for, given what those stand for."""
@@ -82,7 +82,7 @@ class Step:
         if self.kind == "right":
             added = self.value * unit / power_of_two(self.shift)
             return Interval.of(added + _floor_error(self.shift) * unit, added)
-        return Interval.of(0)
+        return ZERO
 
     def integers(self, operands: Sequence[Ends]) -> Ends:
         """Least and greatest integer, given those of its operands."""

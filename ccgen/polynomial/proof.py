@@ -61,8 +61,10 @@ def prove(plan: Plan, most: int = PIECES) -> Proof:
         for found in zip(*(piece.integers for piece in pieces), strict=True)
     )
     check_widths(plan, integers)
+    followed = [(piece, piece.factors(plan.steps)) for piece in pieces]
     errors = tuple(
-        hull(piece.error(plan.steps, step) for piece in pieces) for _, step in plan.outputs
+        hull(piece.error(plan.steps, factors, step) for piece, factors in followed)
+        for _, step in plan.outputs
     )
     return Proof(integers, errors)
 
@@ -146,29 +148,39 @@ class _Piece:
         self.off.append(off)
         self.integers.append((max(counted[0], judged[0]), min(counted[1], judged[1])))
 
-    def error(self, steps: Sequence[Step], output: int) -> Interval:
-        """What an output's step may be off."""
-        slopes = {output: ONE}
+    def factors(self, steps: Sequence[Step]) -> list[list[Interval]]:
+        """Derivatives of steps by their operands, for any roundings between none and all."""
+        rounded = [meant + off for meant, off in zip(self.meant, self.off, strict=True)]
+        return [_factors(step, rounded) for step in steps]
+
+    def error(
+        self, steps: Sequence[Step], factors: Sequence[Sequence[Interval]], output: int
+    ) -> Interval:
+        """What an output's step may be off, by the derivatives that `factors` gives."""
+        slopes: list[Interval | None] = [None] * output + [ONE]
         total = ZERO
         for number in range(output, -1, -1):
-            slope = slopes.pop(number, None)
+            slope = slopes[number]
             if slope is None:
                 continue
             step = steps[number]
-            total += slope * step.rounding
-            for operand, factor in zip(step.operands, self._factors(step), strict=True):
-                slopes[operand] = slopes.get(operand, ZERO) + slope * factor
+            if step.rounding is not ZERO:
+                total += slope * step.rounding
+            for operand, factor in zip(step.operands, factors[number], strict=True):
+                own = slope if factor is ONE else slope * factor
+                before = slopes[operand]
+                slopes[operand] = own if before is None else before + own
         return total.within(self.off[output])
 
-    def _factors(self, step: Step) -> list[Interval]:
-        """Derivatives of a step by its operands, for any roundings between none and all."""
-        if step.kind in PRODUCTS:
-            a, b = (self.meant[k] + self.off[k] for k in step.operands)
-            return [b, a]
-        if step.kind == "view":
-            return [ONE.times_power(step.shift)]
-        signs = {"subtract": [ONE, -ONE], "negate": [-ONE]}
-        return signs.get(step.kind, [ONE] * len(step.operands))
+
+def _factors(step: Step, rounded: Sequence[Interval]) -> list[Interval]:
+    if step.kind in PRODUCTS:
+        a, b = step.operands
+        return [rounded[b], rounded[a]]
+    if step.kind == "view":
+        return [ONE.times_power(step.shift)]
+    signs = {"subtract": [ONE, -ONE], "negate": [-ONE]}
+    return signs.get(step.kind, [ONE] * len(step.operands))
 
 
 def _enclosed(step: Step, known: list[Enclosure]) -> Enclosure:
