@@ -243,9 +243,9 @@ def test_drawn_counts_cover_the_range_and_its_ends_but_for_those_lost(exported):
     for number, share in ((0, 0.5), (1, 0.3), (2, 0.15)):
         assert (lost.sum(axis=1) == number).mean() == pytest.approx(share, abs=0.05)
     readings = np.ma.masked_array(drawn.counts, lost)
-    for values in (readings, drawn.zeros):
-        low = np.concatenate([model.u.minimum, model.v.minimum])
-        high = np.concatenate([model.u.maximum, model.v.maximum])
+    ranges = model.readings
+    for values, ends in ((readings, ranges), (drawn.zeros, ranges.zeros)):
+        low, high = ends.minimum, ends.maximum
         assert np.array_equal(values.min(axis=0), low)
         assert np.array_equal(values.max(axis=0), high)
         inside = (values > low) & (values < high)

@@ -72,8 +72,8 @@ def python_angles(axis, counts, zero):
     return result
 
 
-def draw_counts(data, axis):
-    limits = zip(axis.minimum.tolist(), axis.maximum.tolist(), strict=True)
+def draw_counts(data, ranges):
+    limits = zip(ranges.minimum.tolist(), ranges.maximum.tolist(), strict=True)
     return [data.draw(st.sampled_from((a, b)) | st.integers(a, b)) for a, b in limits]
 
 
@@ -81,13 +81,13 @@ def draw_counts(data, axis):
 @given(data=st.data())
 def test_the_model_is_the_contract_for_every_count_and_zero(made, data):
     axis = made.model.axis(data.draw(st.sampled_from(AXES)))
-    counts, zero = draw_counts(data, axis), draw_counts(data, axis)
+    counts, zero = draw_counts(data, axis), draw_counts(data, axis.ranges.zeros)
     assert axis.estimate(counts, zero).tolist() == python_angles(axis, counts, zero)
 
 
 def test_no_accumulator_overflows_and_no_larger_shift_would_fit(made):
     for axis in (made.model.u, made.model.v):
-        span = axis.maximum - axis.minimum
+        span = axis.span
         limit = 2 ** (2 * axis.precision - 1) - 1
         assert largest_accumulator(axis.weights, axis.bias, span) + 2**axis.shift <= limit
         weights = np.rint(
@@ -107,7 +107,7 @@ def test_no_accumulator_overflows_and_no_larger_shift_would_fit(made):
 @given(data=st.data())
 def test_what_quantisation_adds_stays_below_the_proven_bound(made, data):
     axis = made.model.axis(data.draw(st.sampled_from(AXES)))
-    counts, zero = draw_counts(data, axis), draw_counts(data, axis)
+    counts, zero = draw_counts(data, axis), draw_counts(data, axis.ranges.zeros)
     gains = count_gains(made.joint, axis.axis, made.weights[axis.axis])
     differences = [c - z for c, z in zip(counts, zero, strict=True)]
     bound = Fraction(axis.worst_error_percent_rom * made.joint.geometry.range_of_motion / 100.0)
@@ -120,8 +120,8 @@ def test_what_quantisation_adds_stays_below_the_proven_bound(made, data):
 
 def test_an_axis_said_not_to_saturate_never_does(made):
     for axis in (made.model.u, made.model.v):
-        extreme = np.where(axis.weights >= 0, axis.maximum, axis.minimum)
-        opposite = np.where(axis.weights >= 0, axis.minimum, axis.maximum)
+        extreme = np.where(axis.weights >= 0, axis.span, 0)
+        opposite = np.where(axis.weights >= 0, 0, axis.span)
         largest = max(
             python_angles(replace(axis, precision=2 * axis.precision), c, z)[i]
             for i, (c, z) in enumerate(zip(extreme.tolist(), opposite.tolist(), strict=True))
@@ -136,11 +136,37 @@ def test_quantisation_of_the_example_adds_no_more_than_promised():
     assert thirty_two.worst_error_percent_rom <= 1e-5
 
 
-def test_the_default_range_holds_the_shapes_and_a_quarter_more():
-    made = model_of()
+@pytest.mark.parametrize("transducer", [{}, {"bits": 32, "precision": 32, "step": 1e-8}])
+def test_the_default_range_holds_the_shapes_around_every_zero_that_is_accepted(transducer):
+    made = model_of(**transducer)
     counts = np.abs(counts_of(made.joint, made.shapes)).max(axis=0)[:3]
-    assert np.array_equal(made.model.u.maximum, np.ceil(1.25 * counts))
-    assert np.array_equal(made.model.u.minimum, -made.model.u.maximum)
+    axis, zeros = made.model.u, made.model.u.ranges.zeros
+    assert np.array_equal(zeros.minimum, -zeros.maximum)
+    assert (zeros.maximum >= 0.7 * counts).all()
+    for zero in (zeros.minimum, zeros.maximum):
+        assert not axis.refused(zero).any()
+        assert not axis.missing([zero - counts, zero, zero + counts], zero).any()
+    for j in range(3):
+        beyond = zeros.maximum + (np.arange(3) == j)
+        assert np.flatnonzero(axis.refused(beyond)).tolist() == [j]
+    # Differences are as large as where counts and zeros both lie within a quarter more.
+    assert np.array_equal(axis.span, 2 * np.ceil(1.25 * counts).astype(np.int64))
+
+
+def test_a_transducer_without_counts_to_spare_takes_fewer_zeros():
+    made = model_of(bits=12, step=1.5e-5)
+    counts = np.abs(counts_of(made.joint, made.shapes)).max(axis=0)[:3]
+    axis = made.model.u
+    assert axis.maximum[2] == 2047 < 1.75 * counts[2]
+    assert axis.ranges.zeros.maximum[2] == 2047 - counts[2]
+
+
+def test_a_declared_range_takes_the_zeros_that_leave_it_the_shapes():
+    made = model_of(extra="range = [-20000, 30000]")
+    counts = np.abs(counts_of(made.joint, made.shapes)).max(axis=0)[:3]
+    zeros = made.model.u.ranges.zeros
+    assert np.array_equal(zeros.minimum, -20000 + counts)
+    assert np.array_equal(zeros.maximum, 30000 - counts)
 
 
 def test_counts_turn_back_into_the_angles_of_a_constant_curve():
@@ -188,7 +214,7 @@ def test_with_so_few_bits_only_more_bits_help():
 
 def test_the_difference_of_any_count_and_zero_fits_32_bits():
     axis = model_of(precision=32, step=2.4e-11).model.u
-    assert 2**30 < (axis.maximum - axis.minimum).max() <= 2**31 - 1
+    assert 2**30 < (axis.maximum - axis.ranges.zeros.minimum).max() <= axis.span.max() <= 2**31 - 1
 
 
 def test_a_message_names_the_key_that_the_axis_has_itself():

@@ -48,7 +48,7 @@ def test_angles_equal_the_reference_model_on_every_core(source, core, level, tmp
         kind = f"<i{model.precision // 8}"
         counts = readings(model, 40)
         program.write("counts", counts.astype(kind).tobytes())
-        for zero in (model.zero, model.minimum, model.maximum):
+        for zero in (model.zero, model.ranges.zeros.minimum, model.ranges.zeros.maximum):
             program.write("zero", zero.astype(kind).tobytes())
             arguments = ("zero", "counts", len(counts), "angles")
             assert program.call(case.name, arguments, counted=False).result == 0

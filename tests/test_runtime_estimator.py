@@ -245,7 +245,7 @@ def test_angles_equal_the_reference_model_at_corners_and_at_random(build):
         constant = getattr(library, case.name)
         late = partial(getattr(library, f"late{model.precision}"), model_of(library, case))
         counts = readings(model, 100)
-        for zero in (model.zero, model.minimum, model.maximum):
+        for zero in (model.zero, model.ranges.zeros.minimum, model.ranges.zeros.maximum):
             expected = model.estimate(counts, zero)
             for function in (constant, late):
                 result, angles = run(function, model, zero, counts)
@@ -256,7 +256,7 @@ def test_angles_equal_the_reference_model_at_corners_and_at_random(build):
 def test_cases_cover_narrow_and_wide_and_do_saturate():
     assert {case.model.narrow for case in CASES if case.model.precision == 16} == {True, False}
     for case in CASES:
-        angles = case.model.estimate(readings(case.model, 100), case.model.minimum)
+        angles = case.model.estimate(readings(case.model, 100), case.model.ranges.zeros.minimum)
         clipped = bool((np.abs(angles) == case.model.angle_limit).any())
         assert clipped == case.model.saturates, case.name
 

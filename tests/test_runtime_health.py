@@ -433,10 +433,11 @@ def test_the_captured_zero_is_the_mean_to_the_nearest_halves_away_from_the_first
     text, data, centre, snapshots
 ):
     node = Node(text)
-    centre = min(max(centre, -1990), 1990)
+    zeros = node.exported.model.readings.zeros
     base = np.array([centre, -centre, centre // 2, 0])
     if text is WIDE:
-        base = np.array([399_999_990, -499_999_990, centre, 7 * centre])
+        base = np.array([zeros.maximum[0], zeros.minimum[1], centre, 7 * centre])
+    base = np.clip(base, zeros.minimum + 9, zeros.maximum - 9)
     seed = data.draw(st.integers(0, 2**32 - 1))
     readings = base + np.random.default_rng(seed).integers(-9, 10, (snapshots, 4))
     node.command(1, CAPTURE, snapshots)

@@ -20,7 +20,8 @@ int complete{bits}(const ccgen_sensors{bits}_t *s, const int{bits}_t *z, const i
     return ccgen_sensors{bits}_complete(s, z, c) ? 1 : 0;
 }}
 int outside{bits}(const int{bits}_t *a, const int{bits}_t *b, const int{bits}_t *v, uint8_t n) {{
-    return ccgen_outside{bits}(a, b, v, n);
+    const ccgen_range{bits}_t range = {{a, b}};
+    return ccgen_outside{bits}(&range, v, n);
 }}
 """
 TABLES = (

@@ -15,7 +15,7 @@ from ccgen.errors import InputError
 from ccgen.export.manifest import Manifest, changed_files, read_manifest
 from ccgen.fixedpoint import fit
 from ccgen.fixedpoint.kept import kept_fit
-from ccgen.fixedpoint.ranges import CountRange
+from ccgen.fixedpoint.model import SensorRanges
 from ccgen.joint import Joint
 from ccgen.joint.file import read_joint
 from ccgen.joint.specification import count_limits
@@ -133,7 +133,7 @@ def _layout(joint: Joint) -> FrameLayout:
     """The frames of a joint that is not exported; fitted where they depend on it."""
     ends = [one.range or count_limits(one.bits, one.signed) for one in joint.sensors]
     low, high = np.array(ends, dtype=np.int64).T
-    widest = layout_for(joint, CountRange(low, high))
+    widest = layout_for(joint, SensorRanges(low, high, low))
     if joint.precision == 16 or widest.count_bytes == 3:
         return widest  # narrower ranges give the same frames
     kept = kept_fit(joint)

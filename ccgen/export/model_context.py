@@ -51,7 +51,7 @@ def model_context(fitted: Fit, layout: FrameLayout) -> dict[str, Any]:
         "reads_said": ", ".join(f"counts.{field.field}" for field in fields),
         "bending": [axis for axis in joint.axes if axis in AXES],
         "fields": _fields_context(joint, model.readings, fields),
-        "relative": model.readings.relative is not None,
+        "relative": model.readings.bounds_differences,
         "axes": axes,
         "values": model.values,
         "kernels": _kernels(axes, joint, bool(fitted.guarded.groups)),
@@ -93,13 +93,16 @@ def _fields_context(
     found: list[dict[str, Any]] = []
     for field in fields:
         record = _counted(readings, field)
-        same = (one["tables"] for one in found if all(one[key] == record[key] for key in record))
+        tables = [one for one in found if one["tables"] == one["own_tables"]]
+        same = (k for k, one in enumerate(tables) if _agree(one, record, list(record)))
+        number = next(same, len(tables))
         found.append(
             {
                 **asdict(field),
                 **record,
                 "own_tables": field.tables,
-                "tables": next(same, field.tables),
+                "tables": [*tables, asdict(field)][number]["tables"],
+                "table": number,
                 "spans": [_span_said(sensor) for sensor in joint.sensors[field.part]],
             }
         )

@@ -3,14 +3,12 @@
 from ccgen.fixedpoint.fitted import Fit, fit
 from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.model import AxisModel, FixedPointModel
-from ccgen.fixedpoint.ranges import count_range
 from ccgen.fixedpoint.storage import load_model, model_json
 
 __all__ = [
     "AxisModel",
     "Fit",
     "FixedPointModel",
-    "count_range",
     "fit",
     "load_model",
     "model_json",

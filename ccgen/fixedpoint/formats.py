@@ -23,15 +23,9 @@ from ccgen.fixedpoint.model import (
     FixedPointModel,
     Floats,
     Integers,
-    RelativeRange,
     SensorRanges,
 )
-from ccgen.fixedpoint.ranges import (
-    MARGIN,
-    SensorPlace,
-    count_gains,
-    count_range,
-)
+from ccgen.fixedpoint.ranges import MARGIN, SensorPlace, count_gains, symmetric_ranges
 from ccgen.fixedpoint.relative import relative_ranges
 from ccgen.joint import Joint
 from ccgen.sensing.counts import counts_of
@@ -117,9 +111,9 @@ def quantise_axis(
         bias=best.bias,
         shift=best.shift,
         fraction_bits=best.fraction_bits,
-        minimum=ranges.counts.minimum,
-        maximum=ranges.counts.maximum,
-        zero=ranges.counts.zero,
+        minimum=ranges.minimum,
+        maximum=ranges.maximum,
+        zero=ranges.zero,
         saturates=best.largest_angle > axis.angle_limit,
         headroom_bits=bounds.headroom_bits(best.accumulator, 2 * joint.precision),
         worst_error_percent_rom=percent
@@ -131,24 +125,12 @@ def quantise_axis(
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Ranges:
-    """Counts of the sensors of an axis, and the largest |count - zero| that is a reading."""
-
-    counts: SensorRanges
-    span: Integers
-    relative: RelativeRange | None = None
-
-
-def _ranges(joint: Joint, axis: str, shapes: Shapes) -> _Ranges:
-    """Ranges of counts of the paper's sets, as their C has them; of all else relative to a zero."""
+def _ranges(joint: Joint, axis: str, shapes: Shapes) -> SensorRanges:
+    """Symmetric ranges for the paper's sets; for all else ranges around a zero of their own."""
     plain = all(sensor.signed and sensor.zero is None for sensor in joint.sensors)
     if plain and in_the_papers_way(joint):
-        absolute = count_range(joint, axis, shapes)
-        zero = np.zeros_like(absolute.minimum)
-        return _Ranges(SensorRanges(absolute.minimum, absolute.maximum, zero), absolute.span)
-    counts, relative = relative_ranges(joint, axis, shapes)
-    return _Ranges(counts, relative.span, relative)
+        return symmetric_ranges(joint, axis, shapes)
+    return relative_ranges(joint, axis, shapes)
 
 
 def _no_format(joint: Joint, axis: str, span: Integers) -> str:

@@ -61,6 +61,20 @@ class SensorRanges:
         return int(self.zero.size)
 
     @property
+    def span(self) -> Integers:
+        """Largest |count - zero| of a reading; shape (n,)."""
+        return self.maximum - self.minimum if self.relative is None else self.relative.span
+
+    @property
+    def bounds_differences(self) -> bool:
+        """Whether some count in range is too far from some zero in range to be a reading."""
+        if self.relative is None:
+            return False
+        low = self.minimum - self.relative.zero_maximum
+        high = self.maximum - self.relative.zero_minimum
+        return bool(np.any((low < self.relative.minimum) | (high > self.relative.maximum)))
+
+    @property
     def zeros(self) -> "SensorRanges":
         """What is accepted as zeros."""
         if self.relative is None:
@@ -158,7 +172,7 @@ class AxisModel:
     @property
     def span(self) -> Integers:
         """Largest |count - zero| of each sensor that is a reading; shape (n,)."""
-        return self.maximum - self.minimum if self.relative is None else self.relative.span
+        return self.ranges.span
 
     @property
     def narrow(self) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 from ccgen.digits import at_least, at_most
 from ccgen.errors import FormatError
 from ccgen.estimation import Weights
-from ccgen.fixedpoint.model import Floats, Integers
+from ccgen.fixedpoint.model import Floats, RelativeRange, SensorRanges
 from ccgen.joint import Joint, Sensor
 from ccgen.joint.places import sensor_key
 from ccgen.sensing.counts import counts_of
@@ -22,19 +22,6 @@ DIFFERENCE_LIMIT = 2**31 - 1
 """The estimator holds the difference of a count and a zero in 32 bits."""
 
 
-@dataclass(frozen=True, eq=False)
-class CountRange:
-    """Declared range of each sensor: shape (n,) counts, both ends included."""
-
-    minimum: Integers
-    maximum: Integers
-
-    @property
-    def span(self) -> Integers:
-        """Largest |count - zero| when both lie in range; shape (n,)."""
-        return self.maximum - self.minimum
-
-
 def count_gains(joint: Joint, axis: str, weights: Weights) -> Floats:
     """Angle in rad per count, shape (m, n): eq. (5) with eqs. (1), (2) folded in."""
     own = joint.own(axis)
@@ -42,8 +29,12 @@ def count_gains(joint: Joint, axis: str, weights: Weights) -> Floats:
     return weights.matrix * (step / normaliser(joint)[own])
 
 
-def count_range(joint: Joint, axis: str, shapes: Shapes) -> CountRange:
-    """Range of each sensor's counts: as declared, or what the shapes need and a quarter more.
+def symmetric_ranges(joint: Joint, axis: str, shapes: Shapes) -> SensorRanges:
+    """Counts of signed sensors that are 0 where the joint is straight, and the zeros they may have.
+
+    A zero is accepted where the shapes around it stay within the counts of a reading, so that every
+    reading with every such zero is one. Counts are as declared; else they hold the shapes with a
+    zero that is off by three quarters of what they need, as far as the transducer has counts.
 
     Raises:
         FormatError: the transducer's bits or its declared range do not hold the shapes; the
@@ -52,7 +43,7 @@ def count_range(joint: Joint, axis: str, shapes: Shapes) -> CountRange:
     own = joint.own(axis)
     needed = np.abs(counts_of(joint, shapes)).max(axis=0)[own]
     moves = np.abs(length_changes(joint, shapes.state)).max(axis=0)[own]
-    ends = np.zeros((needed.size, 2), dtype=np.int64)
+    ends = np.zeros((needed.size, 5), dtype=np.int64)
     for j in np.argsort(-moves, kind="stable"):  # messages name the sensor that moves most
         place = SensorPlace(joint, axis, int(j))
         ends[j] = place.range(int(needed[j]), float(moves[j]))
@@ -63,7 +54,10 @@ def count_range(joint: Joint, axis: str, shapes: Shapes) -> CountRange:
                 f"a count over the range of motion; use at most {at_most(float(moves[j]))} m per "
                 "count"
             )
-    return CountRange(ends[:, 0], ends[:, 1])
+    low, high, zero_low, zero_high, span = ends.T
+    return SensorRanges(
+        low, high, np.zeros_like(low), RelativeRange(-span, span, zero_low, zero_high)
+    )
 
 
 def _count_limit(bits: int) -> int:
@@ -93,8 +87,8 @@ class SensorPlace:
             which = f"sensor {self.j} of axis {self.sensor.name[0]} (span [{first:g}, {last:g}])"
         return f"{self.joint.source}: {place}: {which}"
 
-    def range(self, needed: int, move: float) -> tuple[int, int]:
-        """Range of the sensor's counts: as declared, or what is needed and a quarter more.
+    def range(self, needed: int, move: float) -> tuple[int, int, int, int, int]:
+        """Ends of the sensor's counts, of its zeros, and the most by which they may differ.
 
         Args:
             needed: largest count of the shapes.
@@ -106,11 +100,14 @@ class SensorPlace:
         if self.sensor.range is not None:
             return self._declared(needed, *self.sensor.range)
         wanted = math.ceil(needed * MARGIN)
-        if wanted > _count_limit(self.sensor.bits):
+        limit = _count_limit(self.sensor.bits)
+        if wanted > limit:
             raise FormatError(self._too_fine(wanted, move))
-        return -wanted, wanted
+        high = min((2 * wanted + needed) // 2, limit)
+        zero = min(high - needed, 2 * wanted - high)
+        return -high, high, -zero, zero, 2 * wanted
 
-    def _declared(self, needed: int, low: int, high: int) -> tuple[int, int]:
+    def _declared(self, needed: int, low: int, high: int) -> tuple[int, int, int, int, int]:
         if needed > min(-low, high):
             raise FormatError(
                 f"{self.said('range')} reaches ±{needed} counts over the range of motion, "
@@ -121,7 +118,7 @@ class SensorPlace:
                 f"{self.said('range')} is {high - low} counts wide, the 32-bit difference of a "
                 f"count and a zero holds {DIFFERENCE_LIMIT}; narrow it"
             )
-        return low, high
+        return low, high, low + needed, high - needed, high - low
 
     def _too_fine(self, wanted: int, move: float) -> str:
         """What is wrong with a sensor that needs more counts than there are, and the remedies."""

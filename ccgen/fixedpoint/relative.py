@@ -20,7 +20,7 @@ from ccgen.sensing.readings import length_changes
 from ccgen.shapes import Shapes
 
 
-def relative_ranges(joint: Joint, axis: str, shapes: Shapes) -> tuple[SensorRanges, RelativeRange]:
+def relative_ranges(joint: Joint, axis: str, shapes: Shapes) -> SensorRanges:
     """Counts, zeros and relative ranges of the sensors that an output axis reads.
 
     Args:
@@ -39,7 +39,8 @@ def relative_ranges(joint: Joint, axis: str, shapes: Shapes) -> tuple[SensorRang
         for j, (low, high) in enumerate(zip(*needs, strict=True))
     ]
     table: Integers = np.array(found, dtype=np.int64)
-    return SensorRanges(*table[:, :3].T), RelativeRange(*table[:, 3:].T)
+    low, high, zero = table[:, :3].T
+    return SensorRanges(low, high, zero, RelativeRange(*table[:, 3:].T))
 
 
 def _needed(joint: Joint, shapes: Shapes) -> tuple[Floats, Floats]:

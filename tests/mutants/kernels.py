@@ -38,9 +38,9 @@ SENSORS = (
         ("ccgen_sensors16_missing(sensors, zero, counts) == 0u", "true"),
         ("ccgen_sensors16_has(sensors, zero, counts, 0) &&", "true &&"),
         ("ccgen_sensors16_has(sensors, zero, counts, 7)", "true"),
-        ("(values[j] >= minimum[j])", "(values[j] > minimum[j])"),
-        ("(values[j] <= maximum[j])", "(values[j] < maximum[j])"),
-        ("(inside ? 0u : (UINT32_C(1) << j))", "(inside ? 0u : (UINT32_C(2) << j))"),
+        ("(value >= range->minimum[j - 1])", "(value > range->minimum[j - 1])"),
+        ("(value <= range->maximum[j - 1])", "(value < range->maximum[j - 1])"),
+        ("(mask << 1) | (inside ? 0u : 1u)", "(mask << 1) | (inside ? 0u : 2u)"),
     ),
     of(
         "include/ccgen/sensors32.h",
@@ -55,9 +55,9 @@ SENSORS = (
         ("ccgen_sensors32_missing(sensors, zero, counts) == 0u", "true"),
         ("ccgen_sensors32_has(sensors, zero, counts, 0) &&", "true &&"),
         ("ccgen_sensors32_has(sensors, zero, counts, 7)", "true"),
-        ("(values[j] >= minimum[j])", "(values[j] > minimum[j])"),
-        ("(values[j] <= maximum[j])", "(values[j] < maximum[j])"),
-        ("(inside ? 0u : (UINT32_C(1) << j))", "(inside ? 0u : (UINT32_C(2) << j))"),
+        ("(value >= range->minimum[j - 1])", "(value > range->minimum[j - 1])"),
+        ("(value <= range->maximum[j - 1])", "(value < range->maximum[j - 1])"),
+        ("(mask << 1) | (inside ? 0u : 1u)", "(mask << 1) | (inside ? 0u : 2u)"),
     ),
 )
 

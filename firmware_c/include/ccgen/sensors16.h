@@ -29,6 +29,12 @@ typedef struct {
     const int16_t *zero_maximum; /**< [sensors] */
 } ccgen_sensors16_t;
 
+/** Lowest and highest values of some sensors: lives in flash. */
+typedef struct {
+    const int16_t *minimum; /**< [sensors] */
+    const int16_t *maximum; /**< [sensors] */
+} ccgen_range16_t;
+
 /** \return whether a sensor's count is in range; true where there is no such sensor. */
 CCGEN_INLINE bool ccgen_sensors16_within(const ccgen_sensors16_t *const sensors,
                                          const int16_t *const counts, const uint8_t j) {
@@ -88,20 +94,20 @@ CCGEN_INLINE bool ccgen_sensors16_complete(const ccgen_sensors16_t *const sensor
 
 /**
  * Tells which of some values are outside their ranges, such as zeros that are not accepted.
- * \param[in] minimum  [sensors]
- * \param[in] maximum  [sensors]
+ * \param[in] range    valid range
  * \param[in] values   [sensors]
  * \param[in] sensors  1 to CCGEN_SENSORS_MAX
  * \return mask, bit j for value j
  */
-CCGEN_INLINE uint16_t ccgen_outside16(const int16_t *const minimum, const int16_t *const maximum,
-                                      const int16_t *const values, const uint8_t sensors) {
-    uint16_t mask = 0;
-    for (uint8_t j = 0; j < sensors; ++j) {
-        const bool inside = (values[j] >= minimum[j]) && (values[j] <= maximum[j]);
-        mask = (uint16_t)(mask | (inside ? 0u : (UINT32_C(1) << j)));
+CCGEN_INLINE uint16_t ccgen_outside16(const ccgen_range16_t *const range, const int16_t *const values,
+                                      const uint8_t sensors) {
+    uint32_t mask = 0;
+    for (uint8_t j = sensors; j > 0u; --j) {
+        const int16_t value = values[j - 1];
+        const bool inside = (value >= range->minimum[j - 1]) && (value <= range->maximum[j - 1]);
+        mask = (mask << 1) | (inside ? 0u : 1u);
     }
-    return mask;
+    return (uint16_t)mask;
 }
 
 #ifdef __cplusplus

@@ -29,6 +29,12 @@ typedef struct {
     const int32_t *zero_maximum; /**< [sensors] */
 } ccgen_sensors32_t;
 
+/** Lowest and highest values of some sensors: lives in flash. */
+typedef struct {
+    const int32_t *minimum; /**< [sensors] */
+    const int32_t *maximum; /**< [sensors] */
+} ccgen_range32_t;
+
 /** \return whether a sensor's count is in range; true where there is no such sensor. */
 CCGEN_INLINE bool ccgen_sensors32_within(const ccgen_sensors32_t *const sensors,
                                          const int32_t *const counts, const uint8_t j) {
@@ -87,20 +93,20 @@ CCGEN_INLINE bool ccgen_sensors32_complete(const ccgen_sensors32_t *const sensor
 
 /**
  * Tells which of some values are outside their ranges, such as zeros that are not accepted.
- * \param[in] minimum  [sensors]
- * \param[in] maximum  [sensors]
+ * \param[in] range    valid range
  * \param[in] values   [sensors]
  * \param[in] sensors  1 to CCGEN_SENSORS_MAX
  * \return mask, bit j for value j
  */
-CCGEN_INLINE uint16_t ccgen_outside32(const int32_t *const minimum, const int32_t *const maximum,
-                                      const int32_t *const values, const uint8_t sensors) {
-    uint16_t mask = 0;
-    for (uint8_t j = 0; j < sensors; ++j) {
-        const bool inside = (values[j] >= minimum[j]) && (values[j] <= maximum[j]);
-        mask = (uint16_t)(mask | (inside ? 0u : (UINT32_C(1) << j)));
+CCGEN_INLINE uint16_t ccgen_outside32(const ccgen_range32_t *const range, const int32_t *const values,
+                                      const uint8_t sensors) {
+    uint32_t mask = 0;
+    for (uint8_t j = sensors; j > 0u; --j) {
+        const int32_t value = values[j - 1];
+        const bool inside = (value >= range->minimum[j - 1]) && (value <= range->maximum[j - 1]);
+        mask = (mask << 1) | (inside ? 0u : 1u);
     }
-    return mask;
+    return (uint16_t)mask;
 }
 
 #ifdef __cplusplus

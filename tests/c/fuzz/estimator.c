@@ -200,7 +200,8 @@ static void fuzz16(input_t input) {
     const uint16_t mask = missing(&axis, axis.relative);
     CHECK(ccgen_sensors16_missing(&sensors, zero, counts) == mask);
     CHECK(ccgen_sensors16_complete(&sensors, zero, counts) == (mask == 0u));
-    CHECK(ccgen_outside16(minimum, maximum, counts, axis.sensors) == missing(&axis, false));
+    const ccgen_range16_t range = {minimum, maximum};
+    CHECK(ccgen_outside16(&range, counts, axis.sensors) == missing(&axis, false));
     ccgen_axis16_evaluate(&model, zero, counts, angles);
     const size_t written = axis.segments;
     CHECK(memcmp(&angles[written], &before[written], sizeof angles - written * 2u) == 0);
@@ -248,8 +249,8 @@ static void fuzz32(input_t input) {
     const uint16_t mask = missing(&axis, axis.relative);
     CHECK(ccgen_sensors32_missing(&sensors, axis.zero, axis.counts) == mask);
     CHECK(ccgen_sensors32_complete(&sensors, axis.zero, axis.counts) == (mask == 0u));
-    CHECK(ccgen_outside32(axis.minimum, axis.maximum, axis.counts, axis.sensors) ==
-          missing(&axis, false));
+    const ccgen_range32_t range = {axis.minimum, axis.maximum};
+    CHECK(ccgen_outside32(&range, axis.counts, axis.sensors) == missing(&axis, false));
     ccgen_axis32_evaluate(&model, axis.zero, axis.counts, angles);
     const size_t written = axis.segments;
     CHECK(memcmp(&angles[written], &before[written], sizeof angles - written * 4u) == 0);
