@@ -23,7 +23,7 @@ from ccgen.export.pose_c import pose_files
 from ccgen.fixedpoint.pose import PoseModel, PoseTask
 from ccgen.fixedpoint.pose_bounds import norm, root, truncations
 from ccgen.fixedpoint.pose_plan import TARGETS, pose_model
-from ccgen.kinematics.symbolic import Degrees
+from ccgen.kinematics.symbolic import TurnDegrees, turn_function
 from ccgen.targets.compiler import WARNINGS
 from ccgen.targets.cores import core_named, require_tools
 
@@ -271,13 +271,13 @@ def on_core(name: str, core: str, level: str, folder: Path) -> int:
 @pytest.mark.parametrize(
     ("name", "core", "level", "budget"),
     [
-        ("shoulder", "cortex-m0", "-O2", 5500),
+        ("shoulder", "cortex-m0", "-O2", 5000),
         ("shoulder", "cortex-m0", "-O0", 20_000),
         ("shoulder", "cortex-m3", "-Os", 2400),
-        ("shoulder", "cortex-m4", "-O2", 1800),
-        ("shoulder", "riscv32", "-O2", 3500),
+        ("shoulder", "cortex-m4", "-O2", 1700),
+        ("shoulder", "riscv32", "-O2", 2800),
         ("spine", "cortex-m4", "-O2", 7500),
-        ("bellows", "cortex-m0", "-O2", 10_000),
+        ("bellows", "cortex-m0", "-O2", 7000),
         ("bellows", "cortex-m4", "-O2", 2200),
     ],
 )
@@ -288,9 +288,12 @@ def test_every_core_gives_the_models_bits_within_a_budget(name, core, level, bud
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["shoulder", "spine"])
 def test_gappa_confirms_bounds_and_widths_of_a_segment(name):
-    """Of one entry of X, of Z and of the chord; the others are computed alike."""
+    """Of one entry of X, of Z and of the chord; the others are computed alike.
+
+    Gappa takes a rounding that reaches a result by two ways for two: its bounds are a bit wider.
+    """
     found = model(name).turn
-    bounds = [bound * 1001 / 1000 for bound in found.proof.bounds()]
+    bounds = [bound * 105 / 100 for bound in found.proof.bounds()]
     claims = errors(found.plan, bounds)
     assert proven(script(found, [*widths(found.plan), *(claims[k] for k in (0, 6, 9))]))
 
@@ -298,13 +301,14 @@ def test_gappa_confirms_bounds_and_widths_of_a_segment(name):
 def test_roots_and_truncations_are_rounded_up():
     assert root(Fraction(2)) ** 2 > 2
     assert norm([Fraction(3), Fraction(4)]) >= 5
-    angle, degrees = 0.5, Degrees(1, 1)
+    angle, degrees = 0.5, TurnDegrees(2, 1, 0)
     turn, chord = truncations(Fraction(1, 2), degrees)
-    square = 2 * angle**2
-    a, b = np.sin(square**0.5) / square**0.5, (1 - np.cos(square**0.5)) / square
-    off = [a - (1 - square * (1 / 6 - square / 120)), b - (0.5 - square * (1 / 24 - square / 720))]
-    assert abs(off[0]) * (2 * square) ** 0.5 + abs(off[1]) * 2**0.5 * square <= turn
-    assert abs(off[0]) + abs(off[1]) * square**0.5 <= chord
+    exact = kin.tip_pose(np.array([[angle]]), np.array([[angle]]), 1.0)[0]
+    distal, short = turn_function(degrees)(np.eye(3), angle, angle)
+    off = np.linalg.norm(np.array(distal) - exact[:3, :3])
+    assert turn / 1.3 < off <= turn
+    lacking = np.linalg.norm(np.array(short).ravel() - exact[:3, 3])
+    assert chord / 1.3 < lacking <= chord
 
 
 def test_a_fitted_joint_has_poses_in_the_formats_of_its_angles():

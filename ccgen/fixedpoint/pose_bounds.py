@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ccgen.kinematics.symbolic import Degrees
+from ccgen.kinematics.symbolic import TurnDegrees, turn_series
 
 FRAME_MARGIN = Fraction(1, 2**12)
 """What entries of a frame may exceed 1 by."""
@@ -47,7 +47,7 @@ class ChainBounds:
 
 
 def chain_bounds(
-    segments: int, angle: Fraction, degrees: Degrees, roundings: Roundings
+    segments: int, angle: Fraction, degrees: TurnDegrees, roundings: Roundings
 ) -> ChainBounds:
     """Bounds for all angles up to one in magnitude, of either axis.
 
@@ -65,17 +65,23 @@ def chain_bounds(
     return ChainBounds(frame, chords)
 
 
-def truncations(angle: Fraction, degrees: Degrees) -> tuple[Fraction, Fraction]:
+def truncations(angle: Fraction, degrees: TurnDegrees) -> tuple[Fraction, Fraction]:
     """Norms of what a segment's turn (Frobenius) and chord lack without the series' other terms.
 
-    With W the cross product's matrix of (u, v, 0), a turn is 1 + a W + b W^2; the first term left
-    out of a and of b bounds what they lack, as long as terms fall.
+    In the frame that is turned, where Z is of length 1 and n, at right angles to it, of length phi.
+    The first term left out of a series, whose signs alternate, bounds what it lacks, as long as
+    terms fall.
     """
     square = 2 * angle**2
     phi = root(square)
-    a = square ** (degrees.c + 2) / math.factorial(2 * degrees.c + 5)
-    b = square ** (degrees.d + 2) / math.factorial(2 * degrees.d + 6)
-    return raised(root(Fraction(2)) * (a * phi + b * square)), raised(a + b * phi)
+    longer = TurnDegrees(degrees.alpha + 1, degrees.eta + 1, degrees.kappa + 1)
+    inexact = Fraction(3 ** math.ceil(phi), 2**52)  # coefficients are rounded to doubles
+    alpha, eta, kappa = (
+        abs(terms[-1]) * square ** len(terms) + inexact for terms in turn_series(longer)
+    )
+    chord = alpha * (1 + phi / 4) + eta * phi
+    folded = (3 + phi) * alpha + kappa
+    return raised(norm([phi * chord, folded])), raised(chord)
 
 
 def norm(parts: Sequence[Fraction]) -> Fraction:

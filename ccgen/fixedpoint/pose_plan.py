@@ -19,7 +19,7 @@ from ccgen.fixedpoint.pose_bounds import (
 )
 from ccgen.fixedpoint.ranges import MARGIN
 from ccgen.joint import AXES, Joint
-from ccgen.kinematics.symbolic import Degrees, place_function, turn_function
+from ccgen.kinematics.symbolic import TurnDegrees, place_function, turn_function
 from ccgen.polynomial import Compiled, Input, Output, compile_function
 from ccgen.polynomial.intervals import power_of_two
 from ccgen.polynomial.proof import prove
@@ -77,7 +77,7 @@ def pose_model(task: PoseTask, target: float | None = None) -> PoseModel:
             f"most {ANGLE_LIMIT:g}; use more segments or a smaller range of motion"
         )
     target = target or TARGETS[task.precision]
-    degrees = _degrees(task, target / 10)
+    degrees = _degrees(task, target / 3)
     place = _place(task, target * task.length / 20)
     most_bits = _frame_bits(float(task.full_angle))
     for frame_bits in range(most_bits, most_bits - 3, -1):
@@ -96,24 +96,34 @@ def pose_model(task: PoseTask, target: float | None = None) -> PoseModel:
     )
 
 
-def _degrees(task: PoseTask, share: float) -> Degrees:
-    """Least degrees whose truncation moves the tip by no more than a share of the length.
+def _degrees(task: PoseTask, share: float) -> TurnDegrees:
+    """Few terms whose truncation moves the tip by no more than a share of the length.
 
-    For all angles of the format the frames' margin must hold as well.
+    For all angles of the format the frames' margin must hold as well. A first term of eta costs
+    three products of its own: there is none unless the other series need it.
     """
     angle = min(Fraction(task.angle), task.full_angle)
-    for degree in range(1, 20):
-        for degrees in (Degrees(degree, degree - 1), Degrees(degree, degree)):
-            turn, chord = truncations(angle, degrees)
-            widest, _ = truncations(task.full_angle, degrees)
-            near = turn * task.segments / 2 + chord <= share
-            if near and widest * task.segments <= FRAME_MARGIN / 4:
-                return degrees
-    raise AssertionError("the series converges faster")
+
+    def excess(degrees: TurnDegrees) -> Fraction:
+        turn, chord = truncations(angle, degrees)
+        widest, _ = truncations(task.full_angle, degrees)
+        near = (turn * task.segments / 2 + chord) / Fraction(share)
+        return max(near, 4 * widest * task.segments / FRAME_MARGIN)
+
+    degrees = TurnDegrees(1, 0, 0)
+    while excess(degrees) > 1:
+        longer = min(
+            replace(degrees, alpha=degrees.alpha + 1),
+            replace(degrees, kappa=degrees.kappa + 1),
+            key=excess,
+        )
+        helps = excess(longer) < Fraction(9, 10) * excess(degrees)
+        degrees = longer if helps else replace(degrees, eta=degrees.eta + 1)
+    return degrees
 
 
 def _turn(
-    task: PoseTask, degrees: Degrees, frame: float, chord: float, frame_bits: int
+    task: PoseTask, degrees: TurnDegrees, frame: float, chord: float, frame_bits: int
 ) -> Compiled:
     """One segment's plan; frames after all segments and every chord may err by so much."""
     one = float(1 + FRAME_MARGIN)
@@ -156,7 +166,7 @@ def _place(task: PoseTask, error: float) -> Compiled:
 
 
 def _bounds(
-    task: PoseTask, turn: Compiled, place: Compiled, degrees: Degrees
+    task: PoseTask, turn: Compiled, place: Compiled, degrees: TurnDegrees
 ) -> tuple[PoseBounds, PoseBounds] | None:
     """Bounds over what shapes need and over all that the formats hold; None where errors add up
     to more than the frames' margin.

@@ -17,6 +17,7 @@ singularity at the straight pose. `ccgen.kinematics.bounds` bounds the result's 
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 from ccgen.kinematics.bounds import ROUNDING_UNIT, TRUNCATION
@@ -148,15 +149,32 @@ def _polynomial(first: int, degree: int, square: Any) -> Any:
     return total
 
 
-def turn_function(degrees: Degrees) -> Any:
+@dataclass(frozen=True)
+class TurnDegrees:
+    """How many terms the series of a turn in integers have; see `turn_function`.
+
+    Attributes:
+        alpha: from phi^2 on.
+        eta: from phi^4 on.
+        kappa: from phi^4 on.
+    """
+
+    alpha: int
+    eta: int
+    kappa: int
+
+
+def turn_function(degrees: TurnDegrees) -> Any:
     """`casadi.Function` (frame, u, v) -> (distal, chord) of one segment, made for integers.
 
-    The frame's columns are X, Y, Z; the chord q is that of unit arc length. What is small beside
-    what it is added to is computed apart, so that few bits of it suffice:
+    The frame's columns are X, Y, Z; the chord q is that of unit arc length. With n = v X - u Y,
 
-        q = Z + n / 2 - (phi^2 c Z + phi^2 d n)     Z' = Z + n - (phi^2 c n + (1 - cos(phi)) Z)
+        q  = Z + n / 2 - alpha Z - (alpha / 4 + eta) n         alpha = 1 - sin(phi) / phi
+        Z' = Z + n - (3 alpha - kappa) Z - alpha n             X' = X - v q,  Y' = Y + u q
 
-    All coefficients are quotients of whole numbers.
+    where eta and kappa, what the coefficients lack of multiples of alpha, begin with phi^4. What is
+    small beside what it is added to is computed apart, so that few bits of it suffice: all but
+    alpha (Z + n / 4), which q and Z' share.
     """
     import casadi
 
@@ -164,23 +182,33 @@ def turn_function(degrees: Degrees) -> Any:
     u, v = casadi.SX.sym("u"), casadi.SX.sym("v")
     x, y, z = casadi.horzsplit(frame)
     square = u * u + v * v
-    less_a = _quotients(3, degrees.c, square)
-    less_b = _quotients(4, degrees.d, square)
-    less_cosine = square / 2 - square * less_b
+    alpha, eta, kappa = (_series(terms, square) for terms in turn_series(degrees))
     n = v * x - u * y
-    q = z + n / 2 - (less_a * z + less_b * n)
-    distal = casadi.horzcat(x - v * q, y + u * q, z + n - (less_a * n + less_cosine * z))
+    shared = alpha * (z + n / 4)
+    rise = n / 2 - shared
+    q = z + rise - eta * n
+    folded = q + (rise - (shared + ((alpha / 4 - eta) * n - kappa * z)))
+    distal = casadi.horzcat(x - v * q, y + u * q, folded)
     return casadi.Function(
         "turn", [frame, u, v], [distal, q], ["frame", "u", "v"], ["distal", "chord"]
     )
 
 
-def _quotients(first: int, degree: int, square: Any) -> Any:
-    """The square times `_polynomial`, by Horner's rule with divisions by whole numbers alone."""
-    total: Any = 1
-    for k in reversed(range(1, degree + 1)):
-        total = 1 - square * total / ((2 * k + first) * (2 * k + first - 1))
-    return square * total / math.factorial(first)
+def turn_series(degrees: TurnDegrees) -> tuple[list[Fraction], list[Fraction], list[Fraction]]:
+    """Coefficients of phi^2, phi^4, ... in alpha, eta and kappa of `turn_function`."""
+    factorial = math.factorial
+    alpha = [Fraction((-1) ** k, factorial(2 * k + 3)) for k in range(degrees.alpha)]
+    eta = [-Fraction((-1) ** k * k, 2 * factorial(2 * k + 4)) for k in range(degrees.eta + 1)]
+    kappa = [-Fraction((-1) ** k * 2 * k, factorial(2 * k + 3)) for k in range(degrees.kappa + 1)]
+    return alpha, eta, kappa
+
+
+def _series(terms: list[Fraction], square: Any) -> Any:
+    """Sum over k of terms[k] square^(k + 1) by Horner's rule; coefficients become doubles."""
+    total: Any = 0
+    for term in reversed(terms):
+        total = square * (float(term) + total)
+    return total
 
 
 def place_function(segment_length: float, sections: int, elongates: bool) -> Any:

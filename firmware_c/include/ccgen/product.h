@@ -26,11 +26,7 @@ CCGEN_INLINE int32_t ccgen_limit32(const int32_t value, const int32_t low, const
 
 /** \return a b; both fit 16 bits, and the product 32. */
 CCGEN_INLINE int32_t ccgen_product16(const int32_t a, const int32_t b) {
-#if UINT_MAX < 0xFFFFFFFFu
     return CCGEN_CAST(int32_t, CCGEN_CAST(int16_t, a)) * CCGEN_CAST(int16_t, b);
-#else
-    return a * b;
-#endif
 }
 
 /** \return a b / 2^16, rounded down; b fits 16 bits. */
@@ -40,7 +36,8 @@ CCGEN_INLINE int32_t ccgen_product_word(const int32_t a, const int32_t b) {
     __asm__("smulwb %0, %1, %2" : "=r"(product) : "r"(a), "r"(b));
     return product;
 #elif CCGEN_LONG_PRODUCTS
-    return CCGEN_CAST(int32_t, (CCGEN_CAST(int64_t, a) * b) >> 16);
+    /* The upper word alone: one instruction, for b x 2^16 serves all products with b. */
+    return CCGEN_CAST(int32_t, (CCGEN_CAST(int64_t, a) * (b * INT32_C(65536))) >> 32);
 #else
     const int32_t low = CCGEN_CAST(int32_t, CCGEN_CAST(uint32_t, a) & 0xFFFFu);
     return (a >> 16) * b + ((low * b) >> 16);
@@ -49,7 +46,11 @@ CCGEN_INLINE int32_t ccgen_product_word(const int32_t a, const int32_t b) {
 
 /** \return a b / 2^32, rounded down. */
 CCGEN_INLINE int32_t ccgen_product_high(const int32_t a, const int32_t b) {
-#if CCGEN_LONG_PRODUCTS
+#if defined(__GNUC__) && defined(__thumb2__) && defined(__ARM_FEATURE_DSP)
+    int32_t product;
+    __asm__("smmul %0, %1, %2" : "=r"(product) : "r"(a), "r"(b));
+    return product;
+#elif CCGEN_LONG_PRODUCTS
     return CCGEN_CAST(int32_t, (CCGEN_CAST(int64_t, a) * b) >> 32);
 #else
     /* Each sum of a product of halves and an upper half fits: 65535 x 32768 + 65535 < 2^31. */
