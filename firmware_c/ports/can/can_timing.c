@@ -31,12 +31,11 @@ static uint32_t divide(const uint32_t quanta, const uint32_t permille,
         return 1000u;
     }
     const uint32_t before = ((quanta * permille) + 500u) / 1000u; /* synchronisation, segment 1 */
-    const uint32_t segment2 =
-        limited(quanta - before, limits->segment2_min, limits->segment2_max);
-    const uint32_t segment1 =
-        limited((segment2 + 1u < quanta) ? quanta - 1u - segment2 : 0u, limits->segment1_min,
-                limits->segment1_max);
-    if (1u + segment1 + segment2 != quanta) {
+    const uint32_t wanted = limited(quanta - before, limits->segment2_min, limits->segment2_max);
+    const uint32_t segment1 = limited((wanted + 1u < quanta) ? quanta - 1u - wanted : 0u,
+                                      limits->segment1_min, limits->segment1_max);
+    const uint32_t segment2 = (segment1 + 1u < quanta) ? quanta - 1u - segment1 : 0u;
+    if ((segment2 < limits->segment2_min) || (segment2 > limits->segment2_max)) {
         return 1000u;
     }
     const uint32_t sampled = ((1u + segment1) * 1000u) / quanta;
