@@ -11,7 +11,7 @@ from ccgen.cli.choices import Method
 from ccgen.cli.main import main
 from ccgen.estimation import FIT_METHODS, fit_joint
 from ccgen.figures.case_study import case_study_figure, methods
-from ccgen.figures.style import planar_curve
+from ccgen.figures.curves import planar_curve
 from ccgen.fixedpoint import fit as fit_of
 from ccgen.joint.file import parse_joint, read_joint
 from ccgen.kinematics import chain

@@ -117,6 +117,11 @@ class Monitor:
         )
 
     @property
+    def zero_is_the_models(self) -> bool:
+        """Whether the node works with the zeros of the model, as far as it has told."""
+        return self.health is None or self.health.zero == _OF_THE_MODEL
+
+    @property
     def rate_hz(self) -> float:
         """Snapshots a second since the first."""
         span = self._last - self._first
@@ -148,7 +153,7 @@ class Monitor:
             whole = record.answered or self.now - record.t > self._window
             if whole or (self._answered == 0 and _complete(record.lengths)):
                 yield self._tell(record)
-        if not self._layout.commands and self._zero_is_the_models():
+        if not self._layout.commands and self.zero_is_the_models:
             self._comparison.hold()
 
     def states(self) -> dict[str, State]:
@@ -342,13 +347,10 @@ class Monitor:
     def _missing(self, record: _Record) -> tuple[str, ...]:
         bits = record.status.missing_sensors if record.status is not None else 0
         names = set(self._layout.sensors_in(bits))
-        if _complete(record.lengths) and record.lengths and self._zero_is_the_models():
+        if _complete(record.lengths) and record.lengths and self.zero_is_the_models:
             gone = self._guarded.missing([record.lengths.values])[0]
             names |= {self._layout.sensors[j] for j in np.flatnonzero(gone)}
         return tuple(name for name in self._layout.sensors if name in names)
-
-    def _zero_is_the_models(self) -> bool:
-        return self.health is None or self.health.zero == _OF_THE_MODEL
 
     def _laid_out(
         self, gathered: Gathered | None, kind: Literal["lengths", "angles"]

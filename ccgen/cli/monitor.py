@@ -5,15 +5,25 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ccgen.cli.choices import Speed
+from ccgen.cli.ending import asked_to_end
 from ccgen.cli.folders import opened
 from ccgen.cli.logged import open_log
-from ccgen.cli.output import print_json
+from ccgen.cli.output import note, print_json
 from ccgen.cli.terminal import nobody_listens
+from ccgen.cli.viewing import (
+    NoBrowser,
+    View,
+    ViewPort,
+    check_view,
+    stay,
+    viewed,
+    wait_for_somebody,
+)
 from ccgen.errors import BusError, CheckError, InputError
 
 if TYPE_CHECKING:
@@ -23,11 +33,14 @@ if TYPE_CHECKING:
     from ccgen.can.outlets import Outlet
     from ccgen.can.seen import Seen
     from ccgen.targets.exported import Exported
+    from ccgen.view.page import Page
 
 _GLANCE = 0.05
 """Seconds after which a silent bus is left for a moment, to look at the clock and at signals."""
 
 _FLUSH_SECONDS = 0.1
+
+_TRUTH = "what the reference model makes of the lengths"
 
 Frames = Iterator["can.Message | None"]
 """Frames in order of time; None now and then while none comes."""
@@ -58,7 +71,9 @@ def monitor(
     speed: Annotated[
         Speed | None,
         typer.Option(
-            "--speed", help="Read a log at its own times, or as fast as it goes.  [default: max]"
+            "--speed",
+            help="Read a log at its own times, or as fast as it goes.  "
+            "[default: max; with --view 1]",
         ),
     ] = None,
     seconds: Annotated[
@@ -96,6 +111,9 @@ def monitor(
             help="Write snapshots as MCAP, for Foxglove and PlotJuggler; needs ccgen[view].",
         ),
     ] = None,
+    view: View = False,
+    view_port: ViewPort = None,
+    no_browser: NoBrowser = False,
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object a snapshot, and a last summary.")
     ] = False,
@@ -105,12 +123,17 @@ def monitor(
     Where lengths are on the bus too, angles are held against the reference model; one that differs
     ends with status 1. Ctrl-C ends the watch with its summary.
 
+    --view shows the joint in a browser: estimate, sensors coloured by their reading, and where
+    lengths are on the bus what the reference model makes of them. A log begins when the page is
+    open, and ends when it is closed.
+
     \b
     Example:
       ccgen monitor firmware --interface socketcan --channel can0
       ccgen monitor firmware --interface slcan --channel /dev/ttyACM0 --log run.blf
       ccgen monitor firmware --source run.blf --json
       ccgen monitor firmware --source run.blf --mcap run.mcap
+      ccgen monitor firmware --source run.blf --view
     """
     if (interface is None) == (source is None):
         raise InputError(
@@ -119,6 +142,7 @@ def monitor(
         )
     if speed is not None and source is None:
         raise InputError("--speed: is for logs; a bus has its own")
+    check_view(view, view_port, no_browser)
     from ccgen.can.monitor import Monitor
     from ccgen.cli.monitor_display import display, show_summary
 
@@ -129,7 +153,15 @@ def monitor(
         watch = Monitor(exported.guarded, exported.codec, exported.fingerprint, window)
         taken = stack.enter_context(open_log(log, None if source is None else str(source)))
         outlets = [*_outlets(stack, exported, udp, mcap), *([print_json] if json else [])]
-        frames = stack.enter_context(_frames(exported, interface, channel, source, speed, seconds))
+        ended = stack.enter_context(asked_to_end())
+        in_time = speed is Speed.LIKE or (view and speed is None)
+        frames = stack.enter_context(
+            _frames(exported, interface, channel, source, in_time, seconds, ended)
+        )
+        if view:
+            page = stack.enter_context(viewed(exported.joint, _TRUTH, view_port, no_browser))
+            outlets.append(_page_outlet(page, exported, watch))
+            frames = _shown(frames, page, ended, whole=source is not None)
         show = stack.enter_context(display(watch, exported, where, hidden=json))
         _follow(watch, frames, exported, outlets, taken, show, where)
     if source is not None and not watch.heard:
@@ -196,32 +228,55 @@ def _outlets(
         yield stack.enter_context(udp_outlet(udp))
 
 
+def _page_outlet(page: "Page", exported: "Exported", watch: "Monitor") -> "Outlet":
+    """Draw a snapshot wherever the page is due for one."""
+    from ccgen.view.on_bus import BusSights
+
+    sights = BusSights(exported.joint, exported.guarded)
+
+    def draw(record: dict[str, Any]) -> None:
+        if page.due:
+            page.show(sights.sight(record, watch.zero_is_the_models))
+
+    return draw
+
+
+def _shown(frames: Frames, page: "Page", ended: Callable[[], bool], whole: bool) -> Frames:
+    """Frames for somebody who looks: all of a log from when the page is open until it is closed."""
+    if whole:
+        wait_for_somebody(page, ended)
+    told = False
+    for message in frames:
+        if page.closed and not told:
+            told = True
+            note(f"the page was closed; the watch goes on, {page.url} shows it again")
+        yield message
+    if whole:
+        yield from stay(page, ended)
+
+
 @contextmanager
 def _frames(
     exported: "Exported",
     interface: str | None,
     channel: str | None,
     source: Path | None,
-    speed: Speed | None,
+    in_time: bool,
     seconds: float | None,
+    ended: Callable[[], bool],
 ) -> Iterator[Frames]:
-    from ccgen.cli.ending import asked_to_end
+    if source is not None:
+        from ccgen.recordings.log_files import read_frames
 
-    with asked_to_end() as ended:
-        if source is not None:
-            from ccgen.recordings.log_files import read_frames
+        yield _logged(read_frames(source, exported.layout.fd), in_time, seconds, ended)
+        return
+    from ccgen.can.transports.interface import interface_node
 
-            yield _logged(
-                read_frames(source, exported.layout.fd), speed is Speed.LIKE, seconds, ended
-            )
-            return
-        from ccgen.can.transports.interface import interface_node
-
-        assert interface is not None
-        bitrate = None if interface == "virtual" else exported.joint.can.bitrate
-        bus = interface_node(exported.layout, interface, channel, bitrate, listen_only=True)
-        with bus as opened_bus:
-            yield _heard(opened_bus, f"{interface} {channel or ''}".strip(), seconds, ended)
+    assert interface is not None
+    bitrate = None if interface == "virtual" else exported.joint.can.bitrate
+    bus = interface_node(exported.layout, interface, channel, bitrate, listen_only=True)
+    with bus as opened_bus:
+        yield _heard(opened_bus, f"{interface} {channel or ''}".strip(), seconds, ended)
 
 
 def _heard(

@@ -1,6 +1,7 @@
 """`ccgen simulate`: one shape of a joint, its sensors' lengths and counts."""
 
 import math
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,12 +12,14 @@ from ccgen.cli.choices import Axis, Case
 from ccgen.cli.output import note, print_json, warn
 from ccgen.cli.plot import write_plot
 from ccgen.cli.simulate_output import as_json, print_tables
+from ccgen.cli.viewing import NoBrowser, View, ViewPort, check_view
 from ccgen.errors import InputError, ReachError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ccgen.joint import Joint
+    from ccgen.sensing.bending import Bending
     from ccgen.sensing.simulation import Simulation
 
 _STEEPEST = 90.0
@@ -41,6 +44,9 @@ def simulate(
     plot: Annotated[
         Path | None, typer.Option("--plot", metavar="FILE", help="Draw the shape: .svg or .png.")
     ] = None,
+    view: View = False,
+    view_port: ViewPort = None,
+    no_browser: NoBrowser = False,
 ) -> None:
     """Show one shape of a joint: segment angles, sensor lengths and counts, tip pose.
 
@@ -49,17 +55,23 @@ def simulate(
     tip_moment (N m), distributed (N/m), contacts, elongation; in the base frame, z along the
     unbent axis.
 
+    --view bends the joint there and back in a browser, beside what its sensors and the joint file's
+    method make of it, until the page is closed.
+
     \b
     Examples:
       ccgen simulate shoulder.toml --case end-force --first-segment 2.5 --plot shape.svg
       ccgen simulate shoulder.toml --loads push.toml --plot shape.svg
+      ccgen simulate shoulder.toml --case s-shape --first-segment 2 --view
     """
     from ccgen.joint.file import read_joint
     from ccgen.joint.units import unit_doubts
 
+    check_view(view, view_port, no_browser)
     joint = read_joint(joint_file)
     warn(unit_doubts(joint))
-    simulation, draw = _simulated(joint, case, first_segment, axis, loads)
+    bending = _bending(joint, case, first_segment, axis, loads)
+    simulation, draw = _simulated(joint, bending)
     _note_what_is_beyond(joint, simulation, first_segment)
     for j in simulation.out_of_range:
         name, count = joint.sensors[j].name, simulation.counts[j]
@@ -70,18 +82,18 @@ def simulate(
         print_json(as_json(joint, simulation))
     else:
         print_tables(joint, simulation)
+    if view:
+        from ccgen.cli.simulate_view import show_bending
+
+        sys.stdout.flush()
+        show_bending(joint, bending, view_port, no_browser)
 
 
-def _simulated(
-    joint: "Joint",
-    case: str | None,
-    degrees: float | None,
-    axis: str | None,
-    path: Path | None,
-) -> "tuple[Simulation, Callable[[], Figure]]":
-    """The shape, and what draws it."""
+def _bending(
+    joint: "Joint", case: str | None, degrees: float | None, axis: str | None, path: Path | None
+) -> "Bending":
     from ccgen.joint.load_files import read_loads
-    from ccgen.sensing.simulation import simulate as simulated
+    from ccgen.sensing.bending import Bending
 
     if degrees is not None and not abs(degrees) <= _STEEPEST:
         raise InputError(
@@ -90,8 +102,14 @@ def _simulated(
         )
     radians = None if degrees is None else math.radians(degrees)
     loads = None if path is None else read_loads(path, joint.geometry)
+    return Bending(case, radians, axis, loads)
+
+
+def _simulated(joint: "Joint", bending: "Bending") -> "tuple[Simulation, Callable[[], Figure]]":
+    """The shape, and what draws it."""
+    loads = bending.loads
     try:
-        simulation = simulated(joint, case, radians, axis, loads, far=True)
+        simulation = bending.at(joint)
     except ReachError as error:
         raise (error if loads else ReachError(f"--first-segment: {error}")) from error
 
@@ -101,7 +119,7 @@ def _simulated(
 
         if loads is not None:
             return loads_figure(joint, simulation, loads)
-        return shape_figure(joint, simulation, axis or joint.axes[0])
+        return shape_figure(joint, simulation, bending.axis or joint.axes[0])
 
     return simulation, draw
 

@@ -10,8 +10,9 @@ from ccgen.estimation import direct, in_the_papers_way
 from ccgen.estimation.fit import weights_of
 from ccgen.estimation.fitted import FittedWeights
 from ccgen.figures.along import draw_errors_along
+from ccgen.figures.curves import planar_curve
 from ccgen.figures.estimators import Estimator, own_estimator, spans_estimator
-from ccgen.figures.style import label_curve, new_figure, planar_curve, styled, whole_row
+from ccgen.figures.style import label_curve, new_figure, styled, whole_row
 from ccgen.joint import CASES, Joint
 from ccgen.joint.layouts import end_to_end
 from ccgen.placement.moved import moved

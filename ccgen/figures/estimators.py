@@ -7,7 +7,8 @@ import numpy as np
 
 from ccgen.estimation import Weights
 from ccgen.estimation.errors import deviations
-from ccgen.figures.style import Floats, planar_curve
+from ccgen.figures.curves import planar_curve
+from ccgen.figures.style import Floats
 from ccgen.joint import Joint
 from ccgen.sensing.readings import normalised_response, readings
 

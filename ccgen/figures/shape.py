@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ccgen.figures.curves import POINTS_PER_SEGMENT, planar_curve
 from ccgen.figures.sensors import draw_across, draw_along
-from ccgen.figures.style import POINTS_PER_SEGMENT, label_curve, new_figure, planar_curve, styled
+from ccgen.figures.style import label_curve, new_figure, styled
 from ccgen.joint import Joint
 from ccgen.sensing.readings import coverage, direction
 

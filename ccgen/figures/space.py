@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ccgen.figures.curves import POINTS_PER_SEGMENT, space_curve
 from ccgen.figures.sensors import draw_across, draw_along
-from ccgen.figures.style import POINTS_PER_SEGMENT, space_curve, styled
+from ccgen.figures.style import styled
 from ccgen.joint import Joint
 from ccgen.joint.loads import StatedLoads
 from ccgen.sensing.simulation import segment_lengths

@@ -4,17 +4,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ccgen.figures.curves import POINTS_PER_SEGMENT, frames_along, string_paths
 from ccgen.figures.sensors import draw_across, draw_along
 from ccgen.figures.style import Floats, styled
-from ccgen.joint import Joint, Sensor
-from ccgen.kinematics import chain
-from ccgen.sensing.readings import direction
+from ccgen.joint import Joint
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-_POINTS = 8
-"""Of a string, a segment."""
 
 _BEND = np.radians(70.0)
 """Of the whole joint in the picture, or its range of motion where that is less."""
@@ -29,11 +25,11 @@ def strings_figure(joint: Joint) -> "Figure":
 
     figure = Figure(figsize=(4.6, 4.4), layout="constrained")
     axes: Any = figure.add_subplot(projection="3d")
-    poses = _poses(joint)
-    axes.plot(*poses[:, :3, 3].T, color="#000000", linewidth=1.6)
-    axes.plot(*poses[::_POINTS, :3, 3].T, "k.", markersize=4.0)
-    for i, sensor in enumerate(joint.sensors):
-        path = _string(joint, poses, sensor)
+    frames = _frames(joint)
+    axes.plot(*frames[:, :3, 3].T, color="#000000", linewidth=1.6)
+    axes.plot(*frames[::POINTS_PER_SEGMENT, :3, 3].T, "k.", markersize=4.0)
+    paths = string_paths(joint, frames)
+    for i, (sensor, path) in enumerate(zip(joint.sensors, paths, strict=True)):
         colour = _COLOURS[i % len(_COLOURS)]
         axes.plot(*path.T, color=colour, linewidth=1.8, marker="o", markevery=[0, len(path) - 1],
                   markersize=3.0, label=sensor.name)  # fmt: skip
@@ -59,20 +55,11 @@ def unrolled_figure(joint: Joint) -> "Figure":
     return figure
 
 
-def _poses(joint: Joint) -> Floats:
-    """Frames along the neutral axis, the base first, shape (points, 4, 4)."""
+def _frames(joint: Joint) -> Floats:
+    """Frames along the joint as it is bent in the picture."""
     geometry = joint.geometry
-    points = geometry.segments * _POINTS
     whole = min(_BEND, geometry.segments * geometry.range_of_motion)
-    bend = np.full(points, whole / points / np.sqrt(2.0))
-    u = bend if "u" in joint.axes else np.zeros(points)
-    v = bend if "v" in joint.axes else np.zeros(points)
-    return np.concatenate([np.eye(4)[None], chain(u, v, geometry.length / points)])
-
-
-def _string(joint: Joint, poses: Floats, sensor: Sensor) -> Floats:
-    """Points of a sensor, shape (points, 3), metres."""
-    first, last = round(sensor.start * _POINTS), round(sensor.end * _POINTS)
-    sine, cosine = direction(sensor)
-    place = np.array([sensor.radius * cosine, sensor.radius * sine, 0.0, 1.0])
-    return np.asarray((poses[first : last + 1] @ place)[:, :3])
+    bend = np.full(geometry.segments, whole / geometry.segments / np.sqrt(2.0))
+    u = bend if "u" in joint.axes else np.zeros_like(bend)
+    v = bend if "v" in joint.axes else np.zeros_like(bend)
+    return frames_along(u, v, np.full_like(bend, geometry.segment_length))

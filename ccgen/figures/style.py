@@ -1,8 +1,4 @@
-"""The one style of all figures, and the neutral axis as a curve.
-
-A curve is the neutral axis in the plane of bending, in metres: deflection to the right for a
-positive angle, the unbent axis upwards. The same data give the same bytes.
-"""
+"""The one style of all figures. The same data give the same bytes."""
 
 import functools
 import io
@@ -11,8 +7,6 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-
-from ccgen.kinematics import chain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,7 +26,6 @@ STYLE: dict[Any, Any] = {
     "svg.fonttype": "path",
     "svg.hashsalt": "ccgen",
 }
-POINTS_PER_SEGMENT = 8
 _LONGEST_NAME = 26
 """Characters."""
 
@@ -57,36 +50,6 @@ def figure_bytes(figure: "Figure", file_format: str) -> bytes:
     buffer = io.BytesIO()
     figure.savefig(buffer, format=file_format, dpi=150, metadata=metadata[file_format])
     return buffer.getvalue()
-
-
-def planar_curve(angles: Floats, segment_length: float) -> tuple[Floats, Floats]:
-    """Neutral axis of a joint bent in one plane, several points a segment.
-
-    Args:
-        angles: segment angles of the bending axis, shape (m,), radians.
-        segment_length: metres.
-
-    Returns:
-        Deflection and height, shape (points,), metres, the base included.
-    """
-    bent = np.asarray(angles)
-    curve = space_curve(np.zeros_like(bent), bent, np.full_like(bent, segment_length))
-    return curve[:, 0], curve[:, 2]
-
-
-def space_curve(u: Floats, v: Floats, lengths: Floats) -> Floats:
-    """Neutral axis of a joint in the base frame, several points a segment.
-
-    Args:
-        u: bends of the segments about x, shape (m,), radians.
-        v: the same about y.
-        lengths: of the segments, shape (m,), metres.
-
-    Returns:
-        Shape (points, 3), metres, the base included.
-    """
-    parts = (np.repeat(x / POINTS_PER_SEGMENT, POINTS_PER_SEGMENT) for x in (u, v, lengths))
-    return np.concatenate([np.zeros((1, 3)), chain(*parts)[:, :3, 3]])
 
 
 def shortened(name: str) -> str:

@@ -13,7 +13,8 @@ from ccgen.estimation.fit import Task, fit_task
 from ccgen.estimation.fitted import FittedWeights
 from ccgen.estimation.sources import simulated_sources
 from ccgen.figures.case_study import case_study_figure
-from ccgen.figures.style import Floats, planar_curve
+from ccgen.figures.curves import planar_curve
+from ccgen.figures.style import Floats
 from ccgen.joint import Joint
 from ccgen.joint.file import parse_joint
 from ccgen.joint.layouts import end_to_end
