@@ -137,7 +137,7 @@ class Recorded:
             self.shapes(reference, rows),
             weight,
             readings=None if readings is None else readings[rows],
-            moment=None if reference.covariance is None else reference.second_moment,
+            moment=None if reference.dense else reference.second_moment,
         )
 
     def rows(self, reference: "Reference") -> NDArray[np.bool_]:

@@ -5,7 +5,7 @@ say most of it (`ccgen.recordings.pooled`); what is left open stays with the pri
 covariance. What is shared is learned from some of the rows; shapes come of all of them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -19,7 +19,7 @@ from ccgen.recordings.frames import mean_frame, mounted, sighted
 from ccgen.recordings.gains import Calibration, Sensed, borrowed, stretch_zero
 from ccgen.recordings.learning import independent_rows, shapes, states
 from ccgen.recordings.lengths import expected_changes, read_lengths
-from ccgen.recordings.likelihood import Lengths, Parameters, Posterior
+from ccgen.recordings.likelihood import Evidence, Lengths, Parameters, Posterior
 from ccgen.recordings.modes import Model, joint_model
 from ccgen.recordings.pooled import Part, Shared, pooled, usual, with_twist
 from ccgen.recordings.progress import Report, in_silence
@@ -65,7 +65,9 @@ def body_references(
 
     Args:
         common: what other recordings of the joint told of its sensors.
-        whole: the references without anything left out, in the order of the recordings.
+        whole: the references without anything left out, in the order of the recordings. With them,
+            states of the rows that are left out, and what nobody asks of the others, stay unknown;
+            recordings to score with are theirs.
         report: told of the progress.
     """
     cut = fine(joint.geometry)
@@ -91,11 +93,17 @@ def body_references(
         if i in telling:
             group = list(telling).index(i)
             sensed = None if shared.calibration is None else shared.calibration.of(group)
-            made.append(_reference(telling[i], shared, sensed, sensors, cut, starts[i], group))
+            if whole:
+                allowed = learned_rows(recording, without_block)
+                made.append(_anew(whole[i], telling[i], shared, sensed, sensors, cut, allowed))
+            else:
+                made.append(_reference(telling[i], shared, sensed, sensors, cut, group))
+        elif whole:
+            made.append(whole[i])
         else:
-            part = _part(cut.geometry, recording, model, sensors, None, settled, starts[i])
+            part = _part(cut.geometry, recording, model, sensors, None, settled)
             sensed = _borrowed(part, shared, common, sensors)
-            made.append(_reference(part, shared, sensed, sensors, cut, starts[i]))
+            made.append(_reference(part, shared, sensed, sensors, cut))
     report("shapes of bodies", steps, steps)
     return tuple(made)
 
@@ -142,7 +150,10 @@ def _part(
             frame = mounted(some, frame, states)
         some, frame = refined(some, frame, spread, usual(model), share, noisy=unstated(recording))
         sights = some.noise_of(sights)
-    state = _by_bodies(sights, frame, model, _nothing_learned(model), start)
+    if start is None or recording.counts is not None:
+        state = _by_bodies(sights, frame, model, _nothing_learned(model), start)
+    else:
+        state = start
     read = None
     if recording.counts is not None:
         expected = expected_changes(state[:, :-1], sensors.matrix)
@@ -207,13 +218,12 @@ def _reference(
     sensed: Sensed | None,
     sensors: RecordedSensors,
     cut: Fine,
-    start: Floats | None,
     group: int | None = None,
 ) -> Reference:
     """A part's reference; `group` is its number among those that were learned from."""
     recording, read = part.recording, part.read
     known = None if read is None else sensed
-    posterior = _posterior(part, shared, known, sensors, start, group)
+    posterior = _posterior(part, shared, known, sensors, group)
     return Reference(
         name=f"recording:{recording.file.file}",
         use=recording.file.use,
@@ -239,45 +249,95 @@ def _reference(
     )
 
 
+def _anew(
+    whole: Reference,
+    part: Part,
+    shared: Shared,
+    sensed: Sensed | None,
+    sensors: RecordedSensors,
+    cut: Fine,
+    allowed: NDArray[np.bool_],
+) -> Reference:
+    """A reference found again without some rows: what weights are fitted to, and no more."""
+    read = part.read
+    known = None if read is None else sensed
+    begin = _states(whole)
+    assert begin is not None
+    state = np.full(whole.state.shape, np.nan)
+    chosen = np.flatnonzero(allowed)
+    for some in _pieces(len(chosen)):
+        rows = chosen[some]
+        sight, seen, at = _seen(part, shared, known, sensors, rows)
+        found = states(sight, shared.model, seen, at, begin[rows], _TURNS_ANEW)
+        state[rows] = found[:, :-1] @ cut.gather.T
+    return replace(
+        whole,
+        state=state,
+        covariance=None,
+        second_moment=cut.gather @ shared.second_moment[:-1, :-1] @ cut.gather.T,
+        lengths=None if read is None else read.lengths,
+        gain=None if known is None else known.gain,
+        gain_std=None if known is None else known.gain_std,
+        zero=None if known is None else known.zero,
+        zero_std=None if known is None else known.zero_std,
+        noise=None if read is None or known is None else read.own_noise(known.noise),
+        delay_s=0.0 if read is None else read.delay.seconds,
+        delay_std_s=0.0 if read is None else read.delay.std,
+        notes=(),
+        compliance=shared.compliance,
+        sighting=None,
+        learned=shared.learned,
+    )
+
+
 def _posterior(
     part: Part,
     shared: Shared,
     sensed: Sensed | None,
     sensors: RecordedSensors,
-    start: Floats | None,
     group: int | None,
 ) -> Posterior:
     """Shapes of all rows, by bodies and readings."""
-    n = len(sensors.names)
-    if sensed is None:
-        none = np.zeros(n)
-        sensed = Sensed(none, none, none, none, np.ones(n))
-    usable = np.isfinite(sensed.noise)
-    lengths = np.where(usable, part.lengths(n), np.nan)
-    at = replace(shared.found, gain=sensed.gain, zero=sensed.zero[None])
-    begin, turns = (part.state, _TURNS) if start is None else (start, _TURNS_ANEW)
-    # Without a block nobody asks how sure the shapes are.
-    doubt = shared.doubt_of(group, sensed.zero_std) if start is None else None
+    zero_std = np.zeros(len(sensors.names)) if sensed is None else sensed.zero_std
+    doubt = shared.doubt_of(group, zero_std)
     found = []
     for rows in _pieces(len(part.sights)):
-        seen = Lengths(
-            length=lengths[rows],
-            matrix=with_twist(sensors.matrix),
-            group=np.zeros(len(lengths[rows]), dtype=np.intp),
-            gain=sensed.gain,
-            gain_std=sensed.gain_std,
-            zero=sensed.zero[None],
-            zero_std=sensed.zero_std[None],
-            noise=np.where(usable, sensed.noise, 1.0),
-        )
-        sight = partial(evidence, part.sights.rows(rows), part.frame)
-        found.append(shapes(sight, shared.model, seen, at, begin[rows], turns, doubt))
+        sight, seen, at = _seen(part, shared, sensed, sensors, rows)
+        found.append(shapes(sight, shared.model, seen, at, part.state[rows], _TURNS, doubt))
     doubts = [some.doubt for some in found if some.doubt is not None]
     return Posterior(
         np.concatenate([some.state for some in found]),
         np.concatenate([some.covariance for some in found]),
         np.concatenate(doubts) if doubts else None,
     )
+
+
+def _seen(
+    part: Part,
+    shared: Shared,
+    sensed: Sensed | None,
+    sensors: RecordedSensors,
+    rows: "slice | NDArray[np.intp]",
+) -> tuple[Callable[[Floats], Evidence], Lengths, Parameters]:
+    """What bodies and readings say of some rows, and what was learned of all of them."""
+    n = len(sensors.names)
+    if sensed is None:
+        none = np.zeros(n)
+        sensed = Sensed(none, none, none, none, np.ones(n))
+    usable = np.isfinite(sensed.noise)
+    lengths = np.where(usable, part.lengths(n)[rows], np.nan)
+    seen = Lengths(
+        length=lengths,
+        matrix=with_twist(sensors.matrix),
+        group=np.zeros(len(lengths), dtype=np.intp),
+        gain=sensed.gain,
+        gain_std=sensed.gain_std,
+        zero=sensed.zero[None],
+        zero_std=sensed.zero_std[None],
+        noise=np.where(usable, sensed.noise, 1.0),
+    )
+    at = replace(shared.found, gain=sensed.gain, zero=sensed.zero[None])
+    return partial(evidence, part.sights.rows(rows), part.frame), seen, at
 
 
 def _said(part: Part, posterior: Posterior) -> tuple[str, ...]:

@@ -28,7 +28,7 @@ class Reference:
         state: most probable u, v, h of each row, shape (N, 2m + S), radians and shares of the
             length; NaN where not known.
         covariance: of the states, with what is not known of what all rows share, shape
-            (N, 2m + S, 2m + S); None where dense.
+            (N, 2m + S, 2m + S); None where dense, and where found again without some rows.
         second_moment: of the states about zero, shape (2m + S, 2m + S).
         lengths: of the sensors from count 0 on at nominal gain, laid on the reference's clock,
             shape (N, n), metres; NaN where missing, stuck, or at the end of their range; None
@@ -39,7 +39,7 @@ class Reference:
         delay_s: by which the sensors lag, seconds; 0 without counts.
         delay_std_s: of that; 0 where it is stated, infinite where the recording does not tell.
         notes: what is to be said of the recording, a line each.
-        sighting: bodies in the joint's frame, for `stations`; None where dense.
+        sighting: bodies in the joint's frame, for `stations`; None as of the covariance.
         compliance: of equal parts of the joint from its base, natural logarithms, and their
             standard deviations, shape (2, parts); None where it was not learned.
         learned: what all recordings with bodies tell, from which it is learned again without some
