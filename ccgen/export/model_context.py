@@ -200,9 +200,20 @@ def _kernels(axes: dict[str, dict[str, Any]], joint: Joint, checked: bool) -> li
         # Called with one model alone, the compiler folds it into one function by itself.
         once = "CCGEN_ONCE" if alike or checked else "CCGEN_SHARED"
         kernels.append(
-            {"function": function, "fields": _kernel_fields(members, joint), "once": once}
+            {
+                "function": function,
+                "fields": _kernel_fields(members, joint),
+                "once": once,
+                "fallback_words": max(_fallback_words(member, joint) for member in members),
+            }
         )
     return kernels
+
+
+def _fallback_words(axis: dict[str, Any], joint: Joint) -> int:
+    """Words of the rows that serve without one of an axis's sensors; 0 where none do."""
+    words = axis["words_per_row"] if joint.precision == 16 else axis["sensors"]
+    return len(axis["rows"]) * words if axis["without"] else 0
 
 
 def _kernel_fields(members: list[dict[str, Any]], joint: Joint) -> list[str]:
