@@ -64,6 +64,17 @@ def test_cantools_reads_every_frame_and_signal_back(name):
         assert read == [(s.name, s.start, s.bits, s.signed, "little_endian") for s in frame.signals]
 
 
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_every_signal_tells_its_least_and_greatest_value(name):
+    for frame in LAYOUTS[name].used_frames:
+        for signal in DATABASES[name].get_message_by_name(frame.name).signals:
+            raw = (-(2 ** (signal.length - 1)), 2 ** (signal.length - 1) - 1)
+            if not signal.is_signed:
+                raw = (0, 2**signal.length - 1)
+            told = (signal.minimum / signal.scale, signal.maximum / signal.scale)
+            assert told == pytest.approx(raw, rel=1e-12), signal.name
+
+
 def test_scales_are_si_and_exact():
     message = DATABASES["classic"].get_message_by_name
     scales = {

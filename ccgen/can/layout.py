@@ -113,6 +113,12 @@ class Signal:
         """The raw value that says there is no reading; signed signals only."""
         return -(1 << (self.bits - 1))
 
+    @property
+    def raw_range(self) -> tuple[int, int]:
+        """Lowest and highest raw value that its bits hold."""
+        lowest = self.no_reading if self.signed else 0
+        return lowest, lowest + (1 << self.bits) - 1
+
 
 @dataclass(frozen=True)
 class FrameSpec:

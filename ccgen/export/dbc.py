@@ -136,15 +136,18 @@ def _signal(signal: frames.Signal, meaning: _Meaning, receivers: list[str]) -> S
         choices = OrderedDict({signal.no_reading: _NO_READING})
     elif signal.quantity in _CHOICES:
         choices = OrderedDict(_CHOICES[signal.quantity])
+    conversion = BaseConversion.factory(scale=meaning.scale, offset=meaning.offset, choices=choices)
+    # Of all that the bits hold: a count beyond the sensor's range must remain to be sent.
+    ends = sorted(meaning.offset + meaning.scale * raw for raw in signal.raw_range)
     return Signal(
         name=signal.name,
         start=signal.start,
         length=signal.bits,
         byte_order="little_endian",
         is_signed=signal.signed,
-        conversion=BaseConversion.factory(
-            scale=meaning.scale, offset=meaning.offset, choices=choices
-        ),
+        conversion=conversion,
+        minimum=ends[0],
+        maximum=ends[1],
         unit=meaning.unit,
         comment=meaning.comment,
         receivers=receivers,
