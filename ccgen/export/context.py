@@ -10,6 +10,7 @@ from ccgen.can.load import load_percent
 from ccgen.digits import at_least
 from ccgen.e2e import p01_key
 from ccgen.export.literals import float_literal
+from ccgen.export.worked_frames import worked_snapshot
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.joint import Joint
 from ccgen.sensing.noise import still_counts
@@ -49,6 +50,7 @@ def can_context(layout: FrameLayout, joint: Joint, guarded: GuardedModel) -> dic
             "still": [f"INT32_C({count})" for count in still],
         },
         "layout": layout,
+        "worked": worked_snapshot(layout, ranges.zero.tolist()),
         "frame_keys": _rows([f"0x{p01_key(frame.data_id):02X}u" for frame in layout.frames]),
         "faults": list(FAULT_MEANINGS.items()),
         "bitrate": joint.can.bitrate,
