@@ -146,12 +146,15 @@ class Zephyr:
 
     def __init__(self, folder: Path, out: Path, snapshots: int) -> None:
         self.exported, self.client = open_exported(folder), Client(folder)
-        self.program = zephyr(folder, out)
+        self.program = self.build(folder, out)
         sensors = len(self.exported.joint.sensors)
         rng = np.random.default_rng(5)
         zero = self.exported.model.readings.zero
         self.counts = zero + rng.integers(-40, 40, (snapshots, sensors))
         self.cycle = self.exported.layout.cycle_ms
+
+    def build(self, folder: Path, out: Path) -> Path:
+        return zephyr(folder, out)
 
     def incoming(self) -> list[str]:
         lines = []
@@ -169,13 +172,8 @@ class Zephyr:
     def run(self, lines: list[str], seconds: float | None = None, **variables: str):
         """What was sent, decoded, with its time in milliseconds."""
         end = int(1000 * seconds) if seconds else 100 + len(self.counts) * self.cycle
-        done = subprocess.run(
-            [self.program], input="\n".join(lines), capture_output=True, text=True, check=False,
-            env=os.environ | {"FAKE_END": str(end), **variables}, timeout=300,
-        )  # fmt: skip
-        assert (done.returncode, done.stderr) == (0, "")
         sent = []
-        for line in done.stdout.splitlines():
+        for line in self.output(lines, end, variables):
             at, id_, flags, dlc, data = line.split()
             flags_, fd = int(flags, 16), self.exported.layout.fd
             assert bool(flags_ & 4) == fd
@@ -186,6 +184,14 @@ class Zephyr:
             letter = ("D" if fd else "T") if extended else ("d" if fd else "t")
             sent.append((int(at), *self.client.decode(f"{letter}{digits}0{data}")))
         return sent
+
+    def output(self, lines: list[str], end: int, variables: dict[str, str]) -> list[str]:
+        done = subprocess.run(
+            [self.program], input="\n".join(lines), capture_output=True, text=True, check=False,
+            env=os.environ | {"FAKE_END": str(end), **variables}, timeout=300,
+        )  # fmt: skip
+        assert (done.returncode, done.stderr) == (0, "")
+        return done.stdout.splitlines()
 
     def angles(self, sent) -> dict[int, dict[str, int]]:
         """Values by number of their snapshot, of whole answers."""
@@ -291,7 +297,7 @@ def test_the_command_line_writes_examples_that_the_manifest_knows(tmp_path, caps
     shutil.copytree(out / "examples" / "cmake", tmp_path / "elsewhere")
     build(tmp_path / "elsewhere", tmp_path, f"-DJOINT={out}")
     with pytest.raises(SystemExit) as end:
-        main(["export", str(EXAMPLES / "wrist.toml"), "-o", str(out), "--example", "stm23"])
+        main(["export", str(EXAMPLES / "wrist.toml"), "-o", str(out), "--example", "boat"])
     assert end.value.code == 2
-    assert "--example: stm23 is unknown; known: cmake, " in capsys.readouterr().err
+    assert "--example: boat is unknown; known: cmake, " in capsys.readouterr().err
     assert (out / "examples" / "zephyr").is_dir()

@@ -34,8 +34,8 @@ def export(
         typer.Option(
             "--example",
             metavar="KIND",
-            help="Write a complete project as well, to DIR/examples/KIND: cmake, cortex-m, arduino "
-            "or zephyr; may be repeated.",
+            help="Write a complete project as well, to DIR/examples/KIND: cmake, cortex-m, stm32, "
+            "arduino or zephyr; may be repeated.",
         ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,

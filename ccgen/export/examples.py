@@ -18,7 +18,8 @@ class Example:
     """A kind of example: its files and, of templates/examples, what they are made from.
 
     Attributes:
-        files: paths in the project's folder, each with its template's name but for the ending.
+        files: paths in the project's folder, each with its template's name but for the ending; a
+            name with a folder is another kind's.
         classic_only: what its controller is, where that does not speak CAN FD.
     """
 
@@ -30,6 +31,22 @@ EXAMPLES: dict[str, Example] = {
     "cmake": Example({name: name for name in ("CMakeLists.txt", "main.c", "README.md")}),
     "cortex-m": Example(
         {name: name for name in ("CMakeLists.txt", "cortex-m4.cmake", "main.c", "README.md")}
+    ),
+    "stm32": Example(
+        {
+            **{
+                name: name
+                for name in (
+                    "CMakeLists.txt",
+                    "main.c",
+                    "board.h",
+                    "board_g4.c",
+                    "board_f4.c",
+                    "README.md",
+                )
+            },
+            "cortex-m4.cmake": "cortex-m/cortex-m4.cmake",
+        }
     ),
     "arduino": Example({name: name for name in ("arduino.ino", "README.md")}),
     "zephyr": Example(
@@ -80,8 +97,12 @@ def example_files(
                 "classic CAN alone; write fd = false, or take another controller"
             )
         for path, template in example.files.items():
-            text = resources.template(f"examples/{kind}/{template}.j2").render(
-                values, filters=filters(layout)
+            name = template if "/" in template else f"{kind}/{template}"
+            text = resources.template(f"examples/{name}.j2").render(
+                values,
+                filters=filters(layout),
+                length_filters=_length_filters(layout),
+                command_filters=_command_filters(layout),
             )
             files[f"{FOLDER}/{kind}/{path}"] = text.encode("utf-8")
     return files
@@ -89,11 +110,17 @@ def example_files(
 
 def filters(layout: FrameLayout) -> list[tuple[int, int]]:
     """Identifiers and masks that let a node's own frames in, and no others."""
-    wanted = [range(layout.base_id, layout.base_id + layout.lengths_frames)]
-    if layout.commands:
-        wanted.append(range(layout.last_id, layout.last_id + 1))
-    largest = LARGEST_ID[layout.extended]
-    return [(first, largest & ~(size - 1)) for ids in wanted for first, size in _blocks(ids)]
+    return _length_filters(layout) + _command_filters(layout)
+
+
+def _length_filters(layout: FrameLayout) -> list[tuple[int, int]]:
+    largest, first = LARGEST_ID[layout.extended], layout.base_id
+    blocks = _blocks(range(first, first + layout.lengths_frames))
+    return [(block, largest & ~(size - 1)) for block, size in blocks]
+
+
+def _command_filters(layout: FrameLayout) -> list[tuple[int, int]]:
+    return [(layout.last_id, LARGEST_ID[layout.extended])] if layout.commands else []
 
 
 def _blocks(ids: range) -> Iterator[tuple[int, int]]:

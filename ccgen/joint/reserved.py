@@ -86,15 +86,16 @@ HEADERS = _words(
 FOLDER = _words(
     """
     all angles app avr avr_cycle avr_irq axis16 axis32 bare_metal batch block board
-    board_atmega1284p board_microbit board_mps2 board_virt build calibration capture check check16
-    check32 clean command command_inline core core_vectors cortex_m crc e2e e2e_inline elf_firmware
-    error estimator16 estimator32 factors16 firmware flash frame github gitlab h health
-    health_inline help host install integer kconfig kernel16 kernel16_thumb1 kernel32 layout
-    layout_inline libjoint license line link load look main manifest mcp2515 model node node_inline
-    options package platformio port ports posix prj product ram readme record ring riscv32
-    riscv_virt sdkconfig selftest semihosting sending sending_inline sensors16 sensors32 serving16
-    serving32 shared simavr_uart slcan snapshot snapshot_inline socketcan startup test tip
-    two_joints u v vector version virt watch word zephyr zero
+    board_atmega1284p board_f4 board_g4 board_microbit board_mps2 board_virt build bxcan
+    calibration capture check check16 check32 clean command command_inline core core_vectors
+    cortex_m crc e2e e2e_inline elf_firmware error estimator16 estimator32 factors16 firmware
+    flash frame github gitlab h health health_inline help host install integer kconfig kernel16
+    kernel16_thumb1 kernel32 layout layout_inline libjoint license line link load look main
+    manifest mcp2515 model node node_inline options package platformio port ports posix prj
+    product ram readme record ring riscv32 riscv_virt sdkconfig selftest semihosting sending
+    sending_inline sensors16 sensors32 serving16 serving32 shared simavr_uart slcan snapshot
+    snapshot_inline socketcan startup test tip two_joints u v vector version virt watch word
+    zephyr zero
     """
 )
 """Names of files, types and build targets that the exported folder or an example has itself."""
