@@ -1,5 +1,7 @@
 """Compiled polynomials on emulated cores: the bits of the integer model."""
 
+import subprocess
+
 import numpy as np
 import pytest
 from polynomials import CASES, drawn
@@ -86,3 +88,68 @@ def test_every_core_gives_the_models_bits(functions, core, level, tmp_path):
         table = np.concatenate(expected, axis=1)
         taken = np.frombuffer(program.read("taken", 4 * table.size), "<i4")
         np.testing.assert_array_equal(taken.reshape(table.shape), table, name)
+
+
+PRODUCTS = """
+#include <avr/io.h>
+#include <avr/sleep.h>
+#include "ccgen/product.h"
+
+static volatile int32_t a, b;
+
+static void put(char sign) {
+    while (!(UCSR0A & (1 << UDRE0))) {
+    }
+    UDR0 = (uint8_t)sign;
+}
+
+int main(void) {
+    static const int32_t ends[] = {0, 1, -1, 0xFFFF, 0x10000, -0x10000, INT32_MAX, INT32_MIN};
+    uint32_t drawn = 1;
+    uint8_t wrong = 0;
+    UCSR0B = 1 << TXEN0;
+    for (uint16_t k = 0; k < 1200; ++k) {
+        drawn = drawn * 1664525u + 1013904223u;
+        a = k % 5 == 0 ? ends[drawn >> 29] : (int32_t)drawn;
+        drawn = drawn * 1664525u + 1013904223u;
+        b = k % 3 == 0 ? ends[drawn >> 29] : (int32_t)drawn;
+        const int32_t half = b >> 16;
+        if (ccgen_product_high(a, b) != (int32_t)(((int64_t)a * b) >> 32)) {
+            wrong |= 1;
+        }
+        if (ccgen_product_word(a, half) != (int32_t)(((int64_t)a * half) >> 16)) {
+            wrong |= 2;
+        }
+        if (ccgen_product16(a >> 16, half) != (a >> 16) * half) {
+            wrong |= 4;
+        }
+        if (SHIFTS) {
+            wrong |= 8;
+        }
+    }
+    put((char)('A' + wrong));
+    put('\\n');
+    __asm__("cli");
+    sleep_enable();
+    sleep_cpu();
+}
+"""
+
+
+@pytest.mark.parametrize("plain", [False, True])
+def test_products_in_avrs_assembly_have_the_bits_of_plain_c(plain, tmp_path):
+    require_tools(core_named("avr"))
+    source, program = tmp_path / "products.c", tmp_path / "products.elf"
+    shifts = " || ".join(f"ccgen_right(a, {k}) != (a >> {k})" for k in range(32))
+    source.write_text(PRODUCTS.replace("SHIFTS", shifts))
+    flags = ["-DCCGEN_PLAIN_PRODUCTS"] if plain else []
+    include = f"-I{resources.firmware() / 'include'}"
+    build = ["avr-gcc", "-mmcu=atmega1284p", "-std=gnu99", "-O2", *WARNINGS, *flags, include]
+    subprocess.run([*build, source, "-o", program], check=True)
+    assembly = subprocess.run(
+        ["avr-objdump", "-d", program], check=True, capture_output=True, text=True
+    )
+    assert ("ccgen_avr_word" in assembly.stdout) is not plain
+    run = ["simavr", "-m", "atmega1284p", "-f", "16000000", str(program)]
+    told = subprocess.run(run, check=True, capture_output=True, text=True, timeout=60)
+    assert "A." in told.stdout + told.stderr

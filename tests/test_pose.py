@@ -272,7 +272,7 @@ def on_core(name: str, core: str, level: str, folder: Path) -> int:
     ("name", "core", "level", "budget"),
     [
         ("shoulder", "cortex-m0", "-O2", 5000),
-        ("shoulder", "cortex-m0", "-O0", 20_000),
+        ("shoulder", "cortex-m0", "-O0", 35_000),
         ("shoulder", "cortex-m3", "-Os", 2400),
         ("shoulder", "cortex-m4", "-O2", 1700),
         ("shoulder", "riscv32", "-O2", 2800),

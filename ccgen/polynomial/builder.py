@@ -17,6 +17,8 @@ from ccgen.polynomial.plan import PRODUCTS, Step
 from ccgen.polynomial.proof import INT32, forward_error
 
 COST = {"low": 1, "word": 6, "high": 17}
+_HALF = 0.5  # more or less where other cores save: a shift by 16, a product of 16 bits
+_SHORT = 2**15 - 1
 _SLACK = 1 << 12  # units that roundings may add to a sum
 _LIMITS = {"low": 32, "word": 16, "high": 32}  # bits of the second operand
 
@@ -33,7 +35,7 @@ class _Form:
     nearest: bool
     fraction_bits: int
     error: float
-    cost: int
+    cost: float
 
 
 @dataclass(frozen=True)
@@ -188,11 +190,11 @@ class Builder:
         )
         return (False, cost, form.error)
 
-    def _shift_cost(self, a: int, bits: int, nearest: bool) -> int:
+    def _shift_cost(self, a: int, bits: int, nearest: bool) -> float:
         step = self._cut(a, bits, nearest)
         if step is None or step in self._known:
             return 0
-        return 3 if step.value else 1
+        return 3 if step.value else _HALF if bits == 16 else 1
 
     def _multiplied(self, form: _Form, a: int, b: int, meant: Interval) -> int:
         cuts = [
@@ -292,7 +294,8 @@ def _every_form(sizes: Sequence[int], formats: Sequence[int], need: int) -> Iter
             cut = _cut(b, ta, fa + fb) + _cut(a, tb, fa + fb)
             for nearest in (False, True) if ta or tb else (False,):
                 error = cut / 2 if nearest else cut
-                yield _Form("low", (ta, tb), nearest, fa + fb - ta - tb, error, COST["low"])
+                cost = COST["low"] + (0 if max(a >> ta, b >> tb) < _SHORT else _HALF)
+                yield _Form("low", (ta, tb), nearest, fa + fb - ta - tb, error, cost)
     for kind in ("word", "high"):
         limit = _LIMITS[kind]
         drop = max(0, b.bit_length() - (limit - 1))

@@ -210,9 +210,7 @@ class _Writer:
 def _right(step: Step, operand: str) -> str:
     sign = "-" if step.value < 0 else "+"
     added = f"{operand} {sign} {_literal(abs(step.value))}" if step.value else operand
-    if step.shift == 0:
-        return f"({added})"
-    return f"(({added}) >> {step.shift})" if step.value else f"({operand} >> {step.shift})"
+    return f"ccgen_right({_bare(added)}, {step.shift})" if step.shift else f"({added})"
 
 
 def _bare(text: str) -> str:

@@ -50,15 +50,31 @@ def rounded(
 
 
 def without_idle(plan: Plan) -> Plan:
-    """The plan without steps that no output needs; inputs stay."""
-    needed = set(range(len(plan.inputs))) | {step for _, step in plan.outputs}
-    for number in reversed(range(len(plan.steps))):
-        if number in needed:
-            needed.update(plan.steps[number].operands)
-    kept = sorted(needed)
+    """The plan without steps that no output needs; inputs stay.
+
+    Outputs follow each other so that each takes up most of what is computed already, and then
+    needs fewest steps more: so few numbers wait at the same time.
+    """
+    steps = plan.steps
+    needs: list[set[int]] = []
+    for number, step in enumerate(steps):
+        needs.append({number}.union(*(needs[k] for k in step.operands)))
+    kept = list(range(len(plan.inputs)))
+    given = set(kept)
+    done, left = set(kept), [step for _, step in plan.outputs]
+
+    def judged(output: int) -> tuple[int, int]:
+        more = needs[output] - done
+        taken = {k for number in more for k in steps[number].operands} & done - given
+        return -len(taken), len(more)
+
+    while left:
+        nearest = min(left, key=judged)
+        left.remove(nearest)
+        kept += sorted(needs[nearest] - done)
+        done |= needs[nearest]
     places = {old: new for new, old in enumerate(kept)}
-    steps = tuple(
-        replace(plan.steps[k], operands=tuple(places[x] for x in plan.steps[k].operands))
-        for k in kept
+    moved = tuple(
+        replace(steps[k], operands=tuple(places[x] for x in steps[k].operands)) for k in kept
     )
-    return Plan(plan.inputs, steps, tuple((one, places[step]) for one, step in plan.outputs))
+    return Plan(plan.inputs, moved, tuple((one, places[step]) for one, step in plan.outputs))

@@ -263,12 +263,21 @@ PRODUCT = of(
     ("test_polynomial.py::test_products_are_rounded_down_by_either_kind_of_core",),
     ("(b * INT32_C(65536))", "(b * INT32_C(32768))"),
     ("(CCGEN_CAST(int64_t, a) * b) >> 32", "(CCGEN_CAST(int64_t, a) * b) >> 31"),
-    ("(a >> 16) * b + ((low * b) >> 16)", "(a >> 16) * b"),
+    ("CCGEN_UNSIGNED(a)) >> 16);", "CCGEN_UNSIGNED(a)) >> 17);"),
     (" + lowest;", ";"),
-    ("(a_low * b_low) >> 16", "(a_low * b_low) >> 17"),
+    ("CCGEN_UNSIGNED(b)) >> 16);", "CCGEN_UNSIGNED(b)) >> 17);"),
     (" + (first & 0xFFFF);", ";"),
     ("(first & 0xFFFF)", "(first & 0x7FFF)"),
-    (" + (second >> 16);", ";"),
+    ("(second >> 16);", "0;"),
+)
+
+AVR_PRODUCT = of(
+    "include/ccgen/product.h",
+    ("test_polynomial_cores.py::test_products_in_avrs_assembly_have_the_bits_of_plain_c",),
+    ('"mov %[behind], r1\\n\\t"', '"clr %[behind]\\n\\t"'),
+    ("a >> (bits & ~7)", "a >> (bits & ~15)"),
+    ("if (bits & 4) {", "if (bits & 8) {"),
+    ('"mov %[x], r1\\n\\t"', '"mov %[x], r0\\n\\t"'),
 )
 
 QUEUE = of(
@@ -372,6 +381,7 @@ GROUPS = (
     LOAD_ON_CORES,
     KERNEL16_THUMB1,
     PRODUCT,
+    AVR_PRODUCT,
     QUEUE,
     check_of(16),
     check_of(32),
