@@ -35,7 +35,9 @@ static void serve_anything(void) {
                 (void)port_node_receive(&node, &frame, word);
                 break;
             case 1:
+                //@ split node.node.next;
                 (void)port_node_transmit(&node, word, &frame);
+                //@ merge node.node.next;
                 break;
             default:
                 (void)port_node_set_window(&node, word);

@@ -17,7 +17,7 @@ prove() {
     for machine in x86_32 x86_16; do
         log=$out/$name-$machine.log
         printf '%s, %s: ' "$name" "$machine"
-        if ! frama-c -machdep "$machine" -cpp-extra-args="-I$folder/src -I$folder/ports" \
+        if ! frama-c -machdep "$machine" -cpp-extra-args="-I$folder/src -I$folder/ports -I$drivers $names" \
             -eva -eva-precision 3 -eva-msg-key=-initial-state,-final-states \
             -eva-warn-key alarm=error -warn-signed-overflow -warn-signed-downcast \
             "$@" >"$log" 2>&1; then
@@ -30,14 +30,23 @@ prove() {
 }
 
 mkdir -p "$out"
+names=
 for pair in shoulder:ccgen_segments16 spine:ccgen_axis32_segments; do
     joint=${pair%:*}
     loop=${pair#*:}
     folder=$out/$joint
     "$ccgen" export "$examples/$joint.toml" -o "$folder" >/dev/null
+    upper=$(printf '%s' "$joint" | tr a-z A-Z)
+    one=$(sed -n 's/.*k % 4 == 0 ? INT32_C(\([0-9]*\)).*/\1/p' "$folder/src/${joint}_pose.c")
+    names="-DPOSE_SOURCE='\"${joint}_pose.c\"' -DPOSE_HEADER='\"${joint}_pose.h\"'"
+    names="$names -DPOSE_TIP=${joint}_integer_tip_pose -DPOSE_ANGLES=${joint}_angles_t"
+    names="$names -DPOSE_TYPE=${joint}_integer_pose_t -DPOSE_ANGLE=${joint}_angle_t"
+    names="$names -DSEGMENTS=${upper}_POSE_SEGMENTS -DONE=$one"
+    prove "$joint-pose" "$folder" "$drivers/pose.c"
     # The loop over segments is followed turn by turn, up to the most segments.
+    sources=$(find "$folder/src" -maxdepth 1 -name '*.c' ! -name '*_pose.c')
     prove "$joint" "$folder" \
-        -eva-slevel-function "ccgen_layout_begin:80,$loop:100" \
-        "$drivers/joint.c" "$folder"/src/*.c "$folder"/src/ccgen/*.c
+        -eva-slevel-function "ccgen_layout_begin:80,$loop:100,ccgen_layout_clear_from:80" \
+        "$drivers/joint.c" "$drivers/pose_any.c" $sources "$folder"/src/ccgen/*.c
 done
 prove slcan "$out/shoulder" "$drivers/slcan.c" "$out/shoulder/src/ccgen/slcan.c"
