@@ -34,6 +34,30 @@ metres_per_count = 2e-6
 )
 
 
+def test_segment_i_reaches_from_i_to_i_plus_1_in_every_picture():
+    from matplotlib.figure import Figure
+
+    from ccgen.figures.placement import placement_figure
+    from ccgen.figures.sensors import draw_along
+    from ccgen.placement.problem import Placement
+
+    joint = ccgen.parse(joint_text())
+    axes = Figure().subplots()
+    draw_along(axes, joint)
+    sensor = joint.sensors[0]
+    (first,) = [line for line in axes.lines if line.get_ydata()[0] == 0]
+    assert tuple(first.get_xdata()) == (sensor.start, sensor.end) == (0.0, 5.0)
+    placed = placement_figure([Placement("heuristic", ((0, 4), (3, 8)), 0.1, 1)], 12).axes[0]
+    assert [(bar.get_x(), bar.get_x() + bar.get_width()) for bar in placed.patches] == [
+        (0.0, 5.0), (3.0, 9.0),
+    ]  # fmt: skip
+    for drawn_axes in (axes, placed):
+        ticks = drawn_axes.get_xticks()
+        assert ticks.tolist() == [i + 0.5 for i in range(12)]
+        labels = drawn_axes.xaxis.get_major_formatter().format_ticks(ticks)
+        assert labels == [str(i) for i in range(12)]
+
+
 def drawn(joint):
     text = template("sensors.svg.j2").render(name=joint.name, drawing=arrangement_context(joint))
     return ElementTree.fromstring(text)

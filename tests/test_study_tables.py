@@ -127,10 +127,13 @@ def test_tables_3_and_4_are_differences_of_medians(records):
         assert line["paper HO WAM"] == TABLE_2["HO", "WAM", line["sensors"]].median
 
 
-def test_every_table_and_figure_comes_as_csv_svg_and_png(folder):
+def test_tables_come_as_csv_and_short_ones_and_figures_as_svg_and_png(folder):
     for name in ("table2", "table3", "table4", "figure7", "figure8"):
         lines = list(csv.reader(io.StringIO((folder / f"{name}.csv").read_text())))
         assert len({len(line) for line in lines}) == 1
+        if name == "table2":  # too long for a picture; the report has it
+            assert not (folder / "table2.svg").exists()
+            continue
         assert ElementTree.parse(folder / f"{name}.svg").getroot().tag.endswith("svg")
         assert (folder / f"{name}.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 

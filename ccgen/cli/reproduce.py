@@ -137,13 +137,17 @@ def _print(table: dict[str, Any]) -> None:
     from ccgen.study.tables import is_compared, not_compared
 
     joints = table["joints"]
-    caption = None if is_compared(joints) else not_compared(joints)
-    shown = Table(title=f"{joints} joints: median error, % of range of motion", caption=caption)
-    for title in ("placement", "method", "sensors", "ours", "paper", "difference"):
+    compared = is_compared(joints)
+    over = "1 joint: error" if joints == 1 else f"{joints} joints: median error"
+    shown = Table(
+        title=f"{over}, % of range of motion", caption=None if compared else not_compared(joints)
+    )
+    titles = ("placement", "method", "sensors", "ours", "paper", *(["difference"] * compared))
+    for title in titles:
         shown.add_column(title, justify="left" if title in ("placement", "method") else "right")
     for row in table["rows"] + table["extra_rows"]:
         paper, difference = row["paper"], row["relative_difference"]
-        shown.add_row(
+        cells = (
             row["placement"],
             row["method"],
             str(row["sensors"]),
@@ -151,4 +155,5 @@ def _print(table: dict[str, Any]) -> None:
             "" if paper is None else f"{paper['median']:.4g}",
             "" if difference is None else f"{100 * difference:+.1f} %",
         )
+        shown.add_row(*cells[: len(titles)])
     show_table(shown)

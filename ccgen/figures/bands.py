@@ -6,7 +6,7 @@ import numpy as np
 
 from ccgen.estimation.errors import Missed, Pooled
 from ccgen.estimation.fitted import FittedWeights
-from ccgen.figures.style import Floats, shortened, styled
+from ccgen.figures.style import Floats, number_segments, shortened, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,6 +39,7 @@ def bands_figure(fit: FittedWeights) -> "Figure":
     for axis, axes in zip(bending, rows, strict=True):
         axes.set(title=f"Error of {axis}", ylabel="RMS / deg", yscale="log")
     rows[-1].set_xlabel("segment")
+    number_segments(rows[-1].xaxis, joint.geometry.segments)
     handles, labels = rows[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=7.0)
     return figure

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ccgen.estimation.fitted import FittedWeights
-from ccgen.figures.style import styled
+from ccgen.figures.style import number_segments, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,9 +32,9 @@ def matrix_figure(fit: FittedWeights) -> "Figure":
         axes.set_xticks(
             np.arange(len(names)) + 0.5, names, rotation=90 if len(names) > 6 else 0, fontsize=7.5
         )
-        axes.yaxis.get_major_locator().set_params(integer=True)
         kind = "section" if axis == "h" else "segment"
         axes.set(title=f"Weights of {axis}", ylabel=kind)
-        axes.grid(visible=False)
+        number_segments(axes.yaxis, len(matrix))
+        axes.grid(visible=False, which="both")
         figure.colorbar(drawn, ax=axes, shrink=0.9).ax.tick_params(labelsize=7.0)
     return figure

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ccgen.figures.style import number_segments, styled
 from ccgen.placement.problem import Placement
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ _ROW = 0.22
 _WIDTH = 7.0
 
 
+@styled
 def placement_figure(
     placements: Sequence[Placement],
     segments: int,
@@ -46,15 +48,14 @@ def placement_figure(
 
 def _draw(axes: "Axes", placement: Placement, segments: int, forbidden: Sequence[int]) -> None:
     for segment in forbidden:
-        axes.axvspan(segment - 0.5, segment + 0.5, color=_FIXED, alpha=0.25, linewidth=0)
+        axes.axvspan(segment, segment + 1, color=_FIXED, alpha=0.25, linewidth=0)
     for line, (first, last) in enumerate(placement.spans):
-        axes.barh(line, last - first + 1, 0.55, left=first - 0.5, color=_COLOUR)
-        axes.plot([first - 0.5, last + 0.5], [line, line], "|", color="black", markersize=9)
-    axes.set_xlim(-0.6, segments - 0.4)
+        axes.barh(line, last - first + 1, 0.55, left=first, color=_COLOUR)
+        axes.plot([first, last + 1], [line, line], "|", color="black", markersize=9)
+    axes.set_xlim(-0.1, segments + 0.1)
     axes.set_ylim(len(placement.spans) - 0.4, -0.6)
     axes.set_yticks(range(len(placement.spans)))
-    axes.set_xticks(range(0, segments, max(1, segments // 12)))
-    axes.set_xticks([k - 0.5 for k in range(segments + 1)], minor=True)
-    axes.grid(axis="x", which="minor", alpha=0.3)
+    number_segments(axes.xaxis, segments)
+    axes.grid(visible=False, axis="y")
     axes.set_axisbelow(True)
     axes.tick_params(labelsize=8)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ccgen.figures.style import number_segments
 from ccgen.joint import Joint
 from ccgen.sensing.arrangement import angle_degrees, unrolled
 from ccgen.sensing.readings import direction
@@ -30,7 +31,7 @@ def draw_across(axes: "Axes", joint: Joint) -> None:
             f"{angle:.4g}°", (radius * cosine, radius * sine), textcoords="offset points",
             xytext=(12 * cosine, 12 * sine), ha="center", va="center", fontsize=7.0,
         )  # fmt: skip
-    reach = 1.4 * largest
+    reach = 1.6 * largest
     axes.set(title="Sensors, seen from the tip", xlabel="x / m", ylabel="y / m", aspect="equal")
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
 
@@ -46,4 +47,5 @@ def draw_along(axes: "Axes", joint: Joint) -> None:
     labels = [f"{sensor.name}, {angle_degrees(sensor):.4g}°" for sensor in rows]
     axes.set_yticks(range(len(rows)), labels, fontsize=min(8.0, 90.0 / math.sqrt(len(rows)) / 4))
     axes.set(title="Sensors along the joint", xlabel="segment", xlim=(0.0, joint.geometry.segments))
+    number_segments(axes.xaxis, joint.geometry.segments)
     axes.set_ylim(len(rows) - 0.5, -0.5)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ccgen.figures.curves import POINTS_PER_SEGMENT, planar_curve
 from ccgen.figures.sensors import draw_across, draw_along
-from ccgen.figures.style import label_curve, new_figure, styled
+from ccgen.figures.style import label_curve, new_figure, number_segments, styled
 from ccgen.joint import Joint
 from ccgen.sensing.readings import coverage, direction
 
@@ -37,6 +37,7 @@ def shape_figure(joint: Joint, simulation: "Simulation", axis: str = "u") -> "Fi
             profile.plot([sensor.start, sensor.end], [mean, mean], color="#D55E00", label=label)
             label = None
     profile.set(title="Angles", xlabel="segment", ylabel="degrees")
+    number_segments(profile.xaxis, joint.geometry.segments)
     draw_across(across, joint)
     draw_along(along, joint)
     figure.legend(loc="outside lower center", ncols=2)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ccgen.figures.curves import POINTS_PER_SEGMENT, space_curve
 from ccgen.figures.sensors import draw_across, draw_along
-from ccgen.figures.style import styled
+from ccgen.figures.style import number_segments, styled
 from ccgen.joint import Joint
 from ccgen.joint.loads import StatedLoads
 from ccgen.sensing.simulation import segment_lengths
@@ -47,6 +47,7 @@ def loads_figure(joint: Joint, simulation: "Simulation", loads: StatedLoads) -> 
         angles = np.degrees(getattr(simulation, axis))
         profile.stairs(angles, baseline=None, color=colour, linewidth=1.6, label=axis)
     profile.set(title="Segment angles", xlabel="segment", ylabel="degrees")
+    number_segments(profile.xaxis, joint.geometry.segments)
     profile.legend()
     return figure
 

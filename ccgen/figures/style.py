@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
@@ -26,6 +27,8 @@ STYLE: dict[Any, Any] = {
     "svg.fonttype": "path",
     "svg.hashsalt": "ccgen",
 }
+_MOST_NUMBERS = 16
+"""Numbers of segments along an axis."""
 _LONGEST_NAME = 26
 """Characters."""
 
@@ -65,6 +68,20 @@ def new_figure(size: tuple[float, float], columns: int, rows: int = 1) -> tuple[
     heights = [2, 1, 1.2][:rows] if rows > 1 else [1]
     axes = figure.subplots(rows, columns, squeeze=False, height_ratios=heights)
     return figure, axes if rows > 1 else axes[0]
+
+
+def number_segments(axis: "Axis", segments: int) -> None:
+    """Number segments along an axis on which segment i reaches from i to i + 1, in its middle."""
+    from matplotlib.ticker import FixedFormatter, FixedLocator
+
+    step = max(1, -(-segments // _MOST_NUMBERS))
+    numbers = range(0, segments, step)
+    axis.set_major_locator(FixedLocator([i + 0.5 for i in numbers]))
+    axis.set_major_formatter(FixedFormatter([str(i) for i in numbers]))
+    axis.set_minor_locator(FixedLocator(range(segments + 1)))
+    axis.set_tick_params(which="major", length=0)
+    axis.grid(visible=False, which="major")
+    axis.grid(visible=True, which="minor")
 
 
 def whole_row(figure: "Figure", axes: Any) -> "Axes":

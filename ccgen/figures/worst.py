@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ccgen.estimation.fitted import FittedWeights
-from ccgen.figures.style import shortened, styled
+from ccgen.figures.style import number_segments, shortened, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,5 +34,6 @@ def worst_figure(fit: FittedWeights) -> "Figure":
         off = f"tip off by {1e3 * tip[row]:.3g} mm"
         axes.set(title=f"{shortened(source.name)}, {axis}: {off}", ylabel="degrees")
     rows[-1].set_xlabel("segment")
+    number_segments(rows[-1].xaxis, fit.sensed.geometry.segments)
     rows[0].legend()
     return figure

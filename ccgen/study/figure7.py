@@ -44,7 +44,7 @@ def figure7(rows: Sequence[Row], joints: int) -> "Figure":
     linear, logarithmic = figure.subplots(2, 1, sharex=True)
     for axes in (linear, logarithmic):
         for number, group in enumerate(_GROUPS):
-            _draw_group(axes, rows, group, number)
+            _draw_group(axes, rows, group, number, bars=axes is linear)
         axes.set_ylabel("error / % of range of motion", fontsize=_TEXT)
         axes.grid(axis="y", alpha=0.3)
         axes.set_axisbelow(True)
@@ -55,21 +55,33 @@ def figure7(rows: Sequence[Row], joints: int) -> "Figure":
     logarithmic.set_xlabel("sensors per bending axis", fontsize=_TEXT)
     linear.legend(frameon=False, fontsize=_TEXT)
     linear.set_title(
-        f"Average segment error: median over {joints} joints, quartiles as bars;"
-        f" ○ the paper, {len(all_joints())} joints",
+        f"Average segment error: {_over(joints)}; ○ the paper, {len(all_joints())} joints",
         fontsize=_TEXT + 1,
     )
     return figure
 
 
-def _draw_group(axes: "Axes", rows: Sequence[Row], group: tuple[str, str], number: int) -> None:
-    """Bars of one placement and method; single sensors stand alone in their place."""
+def _over(joints: int) -> str:
+    return "one joint" if joints == 1 else f"median and quartiles over {joints} joints"
+
+
+def _draw_group(
+    axes: "Axes", rows: Sequence[Row], group: tuple[str, str], number: int, bars: bool
+) -> None:
+    """Medians of one placement and method; single sensors stand alone in their place.
+
+    On a logarithmic axis they are marks: a bar has a foot, and there is no zero to set it on.
+    """
     sensors = (1,) if group[0] == SS else SENSORS
     found = [find(rows, (*group, n)) for n in sensors]
     places = np.array(sensors) + (0 if group[0] == SS else (number - 2.5) * _WIDTH)
     medians = np.array([row["median"] for row in found])
     spread = np.abs([[row["q1"], row["q3"]] for row in found] - medians[:, None]).T
-    axes.bar(places, medians, _WIDTH, color=_GROUPS[group], label=", ".join(group))
+    colour, label = _GROUPS[group], ", ".join(group)
+    if bars:
+        axes.bar(places, medians, _WIDTH, color=colour, label=label)
+    else:
+        axes.plot(places, medians, "s", markersize=7, color=colour, label=label)
     axes.errorbar(places, medians, spread, fmt="none", ecolor="black", elinewidth=1, capsize=2)
     paper = [row["paper"]["median"] for row in found]
     axes.plot(places, paper, "o", markersize=4, markerfacecolor="white", color="black", zorder=3)

@@ -9,13 +9,11 @@ from ccgen.figures.table import table_figure
 from ccgen.outputs import write_file
 from ccgen.study.figure7 import figure7, figure7_csv
 from ccgen.study.figure8 import figure8, figure8_csv
-from ccgen.study.report import difference, number, report
+from ccgen.study.report import number, report
 from ccgen.study.run import Record
 from ccgen.study.tables import (
     Row,
     decrease_csv,
-    is_compared,
-    not_compared,
     table2,
     table2_csv,
     table2_json,
@@ -45,7 +43,6 @@ def write_files(folder: Path, records: Sequence[Record]) -> dict[str, Any]:
     figures = {
         "figure7": figure7(rows, table["joints"]),
         "figure8": figure8(),
-        "table2": _table2_figure(table),
     }
     for name, title, lines in (
         ("table3", "Table 3: median, heuristic overlap, % of range of motion", table3(rows)),
@@ -66,26 +63,6 @@ def write_files(folder: Path, records: Sequence[Record]) -> dict[str, Any]:
     write_file(folder / "report.html", html)
     write_file(folder / "table2.json", table2_json(table))
     return table
-
-
-def _table2_figure(table: dict[str, Any]) -> Any:
-    joints = table["joints"]
-    title = "Table 2: error in % of range of motion"
-    if not is_compared(joints):
-        title += f" ({not_compared(joints)})"
-    lines = [
-        [
-            f"{row['placement']}, {row['method']}",
-            str(row["sensors"]),
-            *(number(row[key]) for key in ("median", "q1", "q3")),
-            *([""] * 3 if row["paper"] is None else map(number, row["paper"].values())),
-            difference(row["relative_difference"]),
-        ]
-        for row in table["rows"] + table["extra_rows"]
-    ]
-    header = ["placement", "sensors", "median", "q1", "q3", *["paper"] * 3, "difference"]
-    header[5:8] = ["paper median", "paper q1", "paper q3"]
-    return table_figure(title, header, lines)
 
 
 def _decrease_figure(title: str, rows: Sequence[Row]) -> Any:
