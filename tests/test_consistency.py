@@ -1,15 +1,18 @@
 """Sensors held against each other: residuals, false alarms, faults, and the integer check."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import ndtr
 
 from ccgen.estimation.consistency.alarms import alarm_rate, thresholds
+from ccgen.estimation.consistency.box import boxed, half_edge
 from ccgen.estimation.consistency.faults import faults
-from ccgen.estimation.consistency.residuals import residual_matrix
+from ccgen.estimation.consistency.residuals import KEPT, alarm_matrix, parity
 from ccgen.estimation.consistency.sound import SoundReadings
 from ccgen.fixedpoint.checking import Transducers, checked_groups
-from ccgen.fixedpoint.consistency import NOBODY, largest_residual, rounded_residuals
+from ccgen.fixedpoint.consistency import NOBODY, GroupCheck, rounded_parity
 from ccgen.fixedpoint.watch import BACK_AFTER, OUT_AFTER, Watch
 from ccgen.joint.layouts import spans_for
 from ccgen.sensing.readings import reading_matrix
@@ -53,7 +56,7 @@ def test_residual_is_what_the_other_sensors_do_not_predict():
     readings = sound()
     moment = readings.lengths.T @ readings.lengths / len(readings.lengths)
     moment += NOISE**2 * np.eye(6)
-    matrix = residual_matrix(readings, [slice(0, 6)])
+    matrix = parity(readings).naming
     assert np.diag(matrix @ moment @ matrix.T) == pytest.approx(np.ones(6))
     for j in range(6):
         others = np.delete(np.arange(6), j)
@@ -61,8 +64,35 @@ def test_residual_is_what_the_other_sensors_do_not_predict():
         assert matrix[j, others] / matrix[j, j] == pytest.approx(-predicted, rel=1e-6)
 
 
+def test_few_coordinates_keep_the_power_that_decides_on_alarms():
+    readings = sound(sensors=8)
+    found = parity(readings)
+    assert found.kept < 6
+    moment = readings.lengths.T @ readings.lengths / len(readings.lengths)
+    moment += NOISE**2 * np.eye(8)
+    assert found.basis @ moment @ found.basis.T == pytest.approx(np.eye(8), abs=1e-6)
+    power = np.square(found.directions)
+    assert power.sum(axis=1) == pytest.approx(np.ones(8))
+    assert KEPT <= power[:, : found.kept].sum(axis=1).min() < 1.0 - 1e-4
+
+
+def test_a_turned_box_is_larger_and_its_residuals_are_the_same():
+    readings = sound(sensors=8)
+    found, limits = parity(readings), np.linspace(4.0, 5.0, 8)
+    turned = boxed(found, limits)
+    assert half_edge(turned, limits) > 1.02 * half_edge(found, limits)
+    assert turned.alarming == pytest.approx(found.alarming, rel=1e-9, abs=1e-6)
+    assert turned.naming == pytest.approx(found.naming, rel=1e-9, abs=1e-6)
+
+
+def test_coordinates_do_not_depend_on_the_order_of_shapes():
+    readings = sound(sensors=8)
+    other = SoundReadings(readings.lengths[::-1], readings.variance[::-1], readings.weight[::-1])
+    assert parity(other).basis == pytest.approx(parity(readings).basis, rel=1e-6, abs=1e-3)
+
+
 def test_groups_do_not_meet_in_the_residuals():
-    matrix = residual_matrix(sound(axes=2), [slice(0, 6), slice(6, 12)])
+    matrix = alarm_matrix(sound(axes=2), [slice(0, 6), slice(6, 12)])
     assert not matrix[:6, 6:].any()
     assert not matrix[6:, :6].any()
 
@@ -131,20 +161,40 @@ def test_a_group_that_sees_no_fault_is_left_out_and_takes_no_alarms():
 
 
 @pytest.mark.parametrize("precision", [16, 32])
-def test_residuals_cannot_overflow_and_waste_no_bit(precision):
+@pytest.mark.parametrize("narrower", [0, 4])
+def test_sums_cannot_overflow_waste_no_bit_and_hide_no_alarm(precision, narrower):
     readings = sound()
-    matrix = residual_matrix(readings, [slice(0, 6)])
-    span = np.full(6, 2**precision - 1)
-    rounded = rounded_residuals(matrix, np.full(6, STEP), span, precision)
-    limit = 2 ** (2 * precision - 1) - 1
-    assert largest_residual(rounded.weights, span) <= limit
-    doubled = np.abs(rounded.weights).max() * 2 > 2 ** (precision - 1) - 1
-    assert doubled or 2 * largest_residual(rounded.weights, span) > limit - 6 * int(span.max())
+    exact, limits = parity(readings), np.full(6, 5.0)
+    span = np.full(6, 2 ** (precision - narrower) - 1)
+    found = rounded_parity(exact, limits, np.full(6, STEP), span, precision)
+    check = GroupCheck(
+        0, precision, found.weights, found.kept, found.quiet_bits, found.directions,
+        found.thresholds(limits), np.zeros(6, np.int64),
+    )  # fmt: skip
+    assert check.flaw(span) is None
+    finer = replace(check, weights=2 * found.weights, quiet_bits=found.quiet_bits + 1)
+    weight_limit = 2 ** (precision - 1) - 1
+    too_large = 2 * np.abs(found.weights).max() > weight_limit - 1
+    assert too_large or finer.flaw(span) == "a sum may overflow"
+    assert replace(check, threshold=check.threshold // 2).flaw(span) == "an alarm may pass unseen"
+    assert replace(check, directions=2 * found.directions).flaw(span) == "a residual may overflow"
+    assert found.steps(np.array([5.0, 1e9])).tolist()[1] == 2**31 - 1
+
+
+def test_a_quiet_box_hides_no_alarm_and_holds_nearly_all_that_is_sound():
+    readings = sound(sensors=8)
+    (one,) = checked_groups(readings, [slice(0, 8)], transducers(readings), rate=1e-4)
+    check, differences = one.check, counts(snapshots(readings, 100_000, seed=3))
+    values = differences @ check.weights[: check.kept].T
+    edge = 2**check.quiet_bits
+    quiet = ((values >= -edge) & (values < edge)).all(axis=1)
+    assert quiet.mean() > 0.95
+    assert not check.verdicts(differences[quiet])[0].any()
 
 
 def test_thresholds_rise_as_alarms_become_rarer():
     readings = sound()
-    matrix = residual_matrix(readings, [slice(0, 6)])
+    matrix = parity(readings).alarming
     often, seldom = (thresholds(matrix, readings, rate) for rate in (1e-2, 1e-6))
     assert (seldom > often).all()
     assert alarm_rate(matrix, seldom, readings) == pytest.approx(1e-6, rel=0.01)
@@ -152,8 +202,9 @@ def test_thresholds_rise_as_alarms_become_rarer():
 
 def test_a_larger_fault_is_isolated_where_the_smallest_seen_is_not():
     readings = sound("end-to-end", sensors=4)
-    matrix = residual_matrix(readings, [slice(0, 4)])
-    told = faults(matrix, thresholds(matrix, readings, 1e-4), readings)
+    found = parity(readings)
+    limits = thresholds(found.alarming, readings, 1e-4)
+    told = faults(found.alarming, found.naming, limits, readings)
     known = ~np.isnan(told.isolated)
     assert (told.isolated[known] >= told.detectable[known]).all()
     assert (told.isolated[told.isolable] == told.detectable[told.isolable]).all()

@@ -139,6 +139,11 @@ def test_fallbacks_and_checks_survive_json(fit):
         (lambda r: r["checks"][0]["threshold"].__setitem__(0, -1), "does not fit the precision"),
         (lambda r: r["checks"][0].__setitem__("first", 3), "check of sensors 3"),
         (lambda r: r["checks"][1]["weights"].pop(), "check of sensors 8"),
+        (lambda r: r["checks"][1].__setitem__("kept", 0), "check of sensors 8"),
+        (lambda r: r["checks"][0]["threshold"].__setitem__(0, 0), "may pass unseen"),
+        (lambda r: r["checks"][0]["directions"][0].__setitem__(0, 2**15), "not fit the precision"),
+        (lambda r: r["checks"][0].__setitem__("quiet_bits", 31), "not fit the precision"),
+        (lambda r: r["checks"][0].update(weights=[[2**15 - 1] * 8] * 8), "a sum may overflow"),
     ],
 )
 def test_a_damaged_record_is_refused(fit, damage, message):

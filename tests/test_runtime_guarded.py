@@ -97,7 +97,7 @@ def test_a_sensor_that_slips_is_left_out_and_comes_back_as_in_the_model(precisio
     fit, exported, _ = joint
     assert exported.guarded.groups
     counts = counted(fit, read_by(fit, 120, seed=5))
-    counts[30:70, sensor] += round(0.006 / fit.joint.sensors[sensor].metres_per_count)
+    counts[30:70, sensor] += round(0.002 / fit.joint.sensors[sensor].metres_per_count)
     counts[100:104, 2] = NONE[precision]
     found, followed = estimated(joint, counts)
     assert_equal(found, followed)

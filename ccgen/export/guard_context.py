@@ -30,14 +30,14 @@ def guard_context(fitted: Fit, layout: FrameLayout) -> dict[str, Any]:
 
 
 def _kernel(group: dict[str, Any]) -> tuple[Any, ...]:
-    return group["sensors"], group["narrow"]
+    return group["sensors"], group["narrow"], group["kept"], group["quiet_bits"]
 
 
 def _group(guarded: GuardedModel, group: GroupCheck, fields: Sequence[Field]) -> dict[str, Any]:
     field = next(one for one in fields if one.first <= group.first < one.part.stop)
     behind = group.first - field.first
     axes = [axis for axis in guarded.model.axes.values() if axis.part == group.own]
-    literal = f"INT{2 * group.precision}_C({{}})".format
+    literal = "INT32_C({})".format
     return {
         "name": "".join(axis.axis for axis in axes),
         "reads": f"{field.field}{f' + {behind}' if behind else ''}",
@@ -46,6 +46,10 @@ def _group(guarded: GuardedModel, group: GroupCheck, fields: Sequence[Field]) ->
         "narrow": all(axis.narrow for axis in axes),
         "axes": sum(1 << 2 * "uvh".index(axis.axis) for axis in axes),
         "rows": rows_context(group.weights.tolist()),
+        "kept": group.kept,
+        "quiet_bits": group.quiet_bits,
+        "shift": group.shift,
+        "directions": group.directions.tolist(),
         "threshold": [literal(value) for value in group.threshold.tolist()],
         "margin": [literal(value) for value in group.margin.tolist()],
     }

@@ -1,7 +1,8 @@
 """From sound readings to the integer check: weights, thresholds, and what is told of faults.
 
-Residuals are rounded to integers first; thresholds, margins and everything that is told then follow
-from the rounded ones, so that the stated rate of false alarms is that of the integer check.
+Parity values and residuals are rounded to integers first; thresholds, margins and everything that
+is told then follow from the rounded ones, so that the stated rate of false alarms is that of the
+integer check.
 """
 
 from collections.abc import Sequence
@@ -11,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.estimation.consistency.alarms import thresholds
+from ccgen.estimation.consistency.box import boxed
 from ccgen.estimation.consistency.faults import Faults, faults
-from ccgen.estimation.consistency.residuals import residual_matrix
+from ccgen.estimation.consistency.residuals import Parity, parity
 from ccgen.estimation.consistency.sound import SoundReadings
-from ccgen.fixedpoint.consistency import GroupCheck, RoundedResiduals, rounded_residuals
+from ccgen.fixedpoint.consistency import GroupCheck, RoundedParity, rounded_parity
 from ccgen.fixedpoint.model import Floats, Integers
 
 
@@ -74,42 +76,56 @@ def detects(told: Faults, lengths: Floats) -> NDArray[np.bool_]:
 def _checked(
     sound: SoundReadings, groups: Sequence[slice], transducers: Transducers, rate: float
 ) -> list[CheckedGroup]:
-    exact = residual_matrix(sound, groups)
-    rounded = [_rounded(exact[group, group], transducers, group) for group in groups]
     members = np.concatenate([np.arange(group.start, group.stop) for group in groups])
-    limits = thresholds(_blocks(rounded), sound.of(members), rate)
-    parts = np.split(limits, np.cumsum([len(one.weights) for one in rounded])[:-1])
+    ends = np.cumsum([group.stop - group.start for group in groups])[:-1]
+
+    def limits_of(matrices: Sequence[Floats]) -> list[Floats]:
+        return np.split(thresholds(_blocks(matrices), sound.of(members), rate), ends)
+
+    exact = [parity(sound.of(group)) for group in groups]
+    about = limits_of([one.alarming for one in exact])
+    rounded = [
+        _rounded(boxed(one, limits), limits, transducers, group)
+        for one, limits, group in zip(exact, about, groups, strict=True)
+    ]
+    final = limits_of([one.alarming for one in rounded])
     return [
-        _group(group, one, limit, sound.of(group), transducers.precision)
-        for group, one, limit in zip(groups, rounded, parts, strict=True)
+        _group(group, one, limits, sound.of(group), transducers.precision)
+        for group, one, limits in zip(groups, rounded, final, strict=True)
     ]
 
 
-def _rounded(matrix: Floats, transducers: Transducers, group: slice) -> RoundedResiduals:
+def _rounded(
+    exact: Parity, limits: Floats, transducers: Transducers, group: slice
+) -> RoundedParity:
     step, span = transducers.metres_per_count[group], transducers.span[group]
-    return rounded_residuals(matrix, step, span, transducers.precision)
+    return rounded_parity(exact, limits, step, span, transducers.precision)
 
 
-def _blocks(rounded: Sequence[RoundedResiduals]) -> Floats:
+def _blocks(matrices: Sequence[Floats]) -> Floats:
     """The groups' matrices along the diagonal of one."""
-    total = sum(len(one.weights) for one in rounded)
+    total = sum(len(one) for one in matrices)
     matrix, start = np.zeros((total, total)), 0
-    for one in rounded:
-        end = start + len(one.weights)
-        matrix[start:end, start:end] = one.matrix
+    for one in matrices:
+        end = start + len(one)
+        matrix[start:end, start:end] = one
         start = end
     return matrix
 
 
 def _group(
-    group: slice, rounded: RoundedResiduals, limits: Floats, sound: SoundReadings, precision: int
+    group: slice, rounded: RoundedParity, limits: Floats, sound: SoundReadings, precision: int
 ) -> CheckedGroup:
-    told = faults(rounded.matrix, limits, sound)
+    threshold = rounded.thresholds(limits)
+    told = faults(rounded.alarming, rounded.naming, threshold / rounded.steps_per_unit, sound)
     check = GroupCheck(
         first=group.start,
         precision=precision,
         weights=rounded.weights,
-        threshold=rounded.steps(limits, precision),
-        margin=rounded.steps(told.margin, precision),
+        kept=rounded.kept,
+        quiet_bits=rounded.quiet_bits,
+        directions=rounded.directions,
+        threshold=threshold,
+        margin=rounded.steps(told.margin),
     )
     return CheckedGroup(check, told)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ccgen.fixedpoint import bounds
-from ccgen.fixedpoint.consistency import GroupCheck, largest_residual
+from ccgen.fixedpoint.consistency import GroupCheck
 from ccgen.fixedpoint.fallback import Fallbacks
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.model import AxisModel, FixedPointModel
@@ -42,6 +42,9 @@ def guard_record(guarded: GuardedModel) -> dict[str, Any]:
             {
                 "first": group.first,
                 "weights": group.weights.tolist(),
+                "kept": group.kept,
+                "quiet_bits": group.quiet_bits,
+                "directions": group.directions.tolist(),
                 "threshold": group.threshold.tolist(),
                 "margin": group.margin.tolist(),
             }
@@ -80,19 +83,25 @@ def _fallbacks(axis: AxisModel, record: dict[str, Any]) -> Fallbacks:
 
 
 def _group(model: FixedPointModel, record: dict[str, Any]) -> GroupCheck:
-    weights, threshold, margin = (
-        np.array(record[key], dtype=np.int64) for key in ("weights", "threshold", "margin")
+    weights, directions, threshold, margin = (
+        np.array(record[key], dtype=np.int64)
+        for key in ("weights", "directions", "threshold", "margin")
     )
-    group = GroupCheck(int(record["first"]), model.precision, weights, threshold, margin)
+    kept, bits = int(record["kept"]), int(record["quiet_bits"])
+    group = GroupCheck(
+        int(record["first"]), model.precision, weights, kept, bits, directions, threshold, margin
+    )
     parts = [axis for axis in model.axes.values() if axis.part == group.own]
     count = len(threshold)
-    if not parts or weights.shape != (count, count) or margin.shape != (count,):
+    square = weights.shape == directions.shape == (count, count)
+    if not parts or not square or margin.shape != (count,) or not 1 <= kept <= count:
         raise ValueError(f"check of sensors {group.own.start} to {group.own.stop - 1}")
-    limit = 2 ** (2 * model.precision - 1) - 1
     steps = np.concatenate([threshold, margin])
-    fits = (steps >= 0).all() and (steps <= limit).all()
+    fits = (steps >= 0).all() and (steps < 2**31).all() and 0 <= bits <= 2 * model.precision - 2
+    fits &= bool((np.abs(directions) < 2**15).all())
     if not fits or np.abs(weights).max() > 2 ** (model.precision - 1) - 1:
         raise ValueError(f"check of sensors from {group.first} does not fit the precision")
-    if largest_residual(weights, parts[0].span) > limit:
-        raise ValueError(f"check of sensors from {group.first} may overflow")
+    flaw = group.flaw(parts[0].span)
+    if flaw is not None:
+        raise ValueError(f"check of sensors from {group.first}: {flaw}")
     return group

@@ -92,8 +92,8 @@ FOLDER = _words(
     flash frame github gitlab h health health_inline help host install integer kconfig kernel16
     kernel16_thumb1 kernel32 layout layout_inline libjoint license line link load look main
     manifest mcp2515 model node node_inline options package platformio port ports posix prj
-    product ram readme record ring riscv32 riscv_virt sdkconfig selftest semihosting sending
-    sending_inline sensors16 sensors32 serving16 serving32 shared simavr_uart slcan snapshot
+    product ram readme record residuals ring riscv32 riscv_virt sdkconfig selftest semihosting
+    sending sending_inline sensors16 sensors32 serving16 serving32 shared simavr_uart slcan snapshot
     snapshot_inline socketcan startup test tip two_joints u v vector version virt watch word
     zephyr zero
     """

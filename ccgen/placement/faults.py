@@ -6,7 +6,7 @@ import numpy as np
 
 from ccgen.estimation.consistency.alarms import thresholds
 from ccgen.estimation.consistency.faults import faults
-from ccgen.estimation.consistency.residuals import residual_matrix
+from ccgen.estimation.consistency.residuals import parity
 from ccgen.estimation.consistency.sound import SoundReadings
 from ccgen.estimation.weights import Floats
 from ccgen.joint.layouts import Spans
@@ -35,8 +35,9 @@ def visible_faults(angles: Floats, spans: Spans, noise_rad: Floats, rate: float)
         return np.full(sensors, np.nan)
     noise = np.broadcast_to(np.square(noise_rad), read.shape)
     sound = SoundReadings(read, noise, np.full(count, 1.0 / count))
-    matrix = residual_matrix(sound, [slice(0, sensors)])
-    told = faults(matrix, thresholds(matrix, sound, rate), sound)
+    found = parity(sound)
+    limits = thresholds(found.alarming, sound, rate)
+    told = faults(found.alarming, found.naming, limits, sound)
     percent = 100.0 * told.detectable / np.abs(read).max(axis=0)
     return np.asarray(np.where(percent <= 100.0, percent, np.nan))
 

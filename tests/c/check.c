@@ -10,10 +10,16 @@
 
 #define WORDS_MAX ((CCGEN_SENSORS_MAX + 1) / 2)
 
-uint8_t probe_check16(uint8_t sensors, int narrow, const int16_t *weights, const int32_t *threshold,
-                      const int32_t *margin, const int16_t *zero, const int16_t *counts);
-uint8_t probe_check32(uint8_t sensors, const int32_t *weights, const int64_t *threshold,
-                      const int64_t *margin, const int32_t *zero, const int32_t *counts);
+uint8_t probe_check16(const uint8_t *sizes, int narrow, const int16_t *weights,
+                      const int16_t *directions, const int32_t *threshold, const int32_t *margin,
+                      const int16_t *zero, const int16_t *counts);
+uint8_t probe_check32(const uint8_t *sizes, const int32_t *weights, const int16_t *directions,
+                      const int32_t *threshold, const int32_t *margin, const int32_t *zero,
+                      const int32_t *counts);
+int probe_quiet16(const uint8_t *sizes, int narrow, const int16_t *weights, const int16_t *zero,
+                  const int16_t *counts);
+int probe_quiet32(const uint8_t *sizes, const int32_t *weights, const int32_t *zero,
+                  const int32_t *counts);
 int probe_serving16(uint8_t sensors, uint32_t without, uint32_t absent);
 int probe_serving32(uint8_t sensors, uint32_t without, uint32_t absent);
 void probe_blank16(uint16_t segments, int16_t *angles);
@@ -21,10 +27,8 @@ void probe_blank32(uint16_t segments, int32_t *angles);
 void probe_watch_init(uint8_t *state);
 void probe_watch_follow(uint8_t *state, int complete, uint8_t verdict, uint16_t *masks);
 
-uint8_t probe_check16(const uint8_t sensors, const int narrow, const int16_t *const weights,
-                      const int32_t *const threshold, const int32_t *const margin,
-                      const int16_t *const zero, const int16_t *const counts) {
-    uint32_t words[CCGEN_SENSORS_MAX * WORDS_MAX];
+/** Words of a table of weights. */
+static void pair_up(const uint8_t sensors, const int16_t *const weights, uint32_t *const words) {
     uint16_t next = 0;
     for (uint8_t j = 0; j < sensors; ++j) {
         const int16_t *const row = weights + (size_t)j * sensors;
@@ -34,17 +38,55 @@ uint8_t probe_check16(const uint8_t sensors, const int narrow, const int16_t *co
             ++next;
         }
     }
-    const ccgen_axis16_t rows = {sensors, sensors, 0, 0, false, narrow != 0, 0, NULL, words};
-    const ccgen_check16_t check = {threshold, margin};
-    return ccgen_check16(&rows, &check, zero, counts);
 }
 
-uint8_t probe_check32(const uint8_t sensors, const int32_t *const weights,
-                      const int64_t *const threshold, const int64_t *const margin,
-                      const int32_t *const zero, const int32_t *const counts) {
-    const ccgen_axis32_t rows = {sensors, sensors, 0, 0, false, 0, NULL, weights};
-    const ccgen_check32_t check = {threshold, margin};
-    return ccgen_check32(&rows, &check, zero, counts);
+/** In the place of a verdict: what is quiet has another verdict when it is examined. */
+#define HIDDEN 0xFDu
+
+/** sizes: sensors, kept, quiet_bits, shift. */
+uint8_t probe_check16(const uint8_t *const sizes, const int narrow, const int16_t *const weights,
+                      const int16_t *const directions, const int32_t *const threshold,
+                      const int32_t *const margin, const int16_t *const zero,
+                      const int16_t *const counts) {
+    uint32_t words[CCGEN_SENSORS_MAX * WORDS_MAX];
+    const uint8_t sensors = sizes[0];
+    pair_up(sensors, weights, words);
+    const ccgen_axis16_t rows = {sensors, sensors, 0, 0, false, narrow != 0, 0, NULL, words};
+    const ccgen_check_t check = {directions, threshold, margin, sensors,
+                                 sizes[1],   sizes[2],  sizes[3]};
+    const bool quiet = ccgen_check16(&rows, &check, zero, counts);
+    const uint8_t verdict = ccgen_examine16(&rows, &check, zero, counts);
+    return (quiet && (verdict != CCGEN_VERDICT_QUIET)) ? HIDDEN : verdict;
+}
+
+/** Whether the same snapshot is quiet. */
+int probe_quiet16(const uint8_t *const sizes, const int narrow, const int16_t *const weights,
+                  const int16_t *const zero, const int16_t *const counts) {
+    uint32_t words[CCGEN_SENSORS_MAX * WORDS_MAX];
+    const uint8_t sensors = sizes[0];
+    pair_up(sensors, weights, words);
+    const ccgen_axis16_t rows = {sensors, sensors, 0, 0, false, narrow != 0, 0, NULL, words};
+    const ccgen_check_t check = {NULL, NULL, NULL, sensors, sizes[1], sizes[2], sizes[3]};
+    return ccgen_check16(&rows, &check, zero, counts) ? 1 : 0;
+}
+
+uint8_t probe_check32(const uint8_t *const sizes, const int32_t *const weights,
+                      const int16_t *const directions, const int32_t *const threshold,
+                      const int32_t *const margin, const int32_t *const zero,
+                      const int32_t *const counts) {
+    const ccgen_axis32_t rows = {sizes[0], sizes[0], 0, 0, false, 0, NULL, weights};
+    const ccgen_check_t check = {directions, threshold, margin,  sizes[0],
+                                 sizes[1],   sizes[2],  sizes[3]};
+    const bool quiet = ccgen_check32(&rows, &check, zero, counts);
+    const uint8_t verdict = ccgen_examine32(&rows, &check, zero, counts);
+    return (quiet && (verdict != CCGEN_VERDICT_QUIET)) ? HIDDEN : verdict;
+}
+
+int probe_quiet32(const uint8_t *const sizes, const int32_t *const weights,
+                  const int32_t *const zero, const int32_t *const counts) {
+    const ccgen_axis32_t rows = {sizes[0], sizes[0], 0, 0, false, 0, NULL, weights};
+    const ccgen_check_t check = {NULL, NULL, NULL, sizes[0], sizes[1], sizes[2], sizes[3]};
+    return ccgen_check32(&rows, &check, zero, counts) ? 1 : 0;
 }
 
 /** Number of the rows that serve; -1: the axis' own; -2: none. `without`: who has rows. */

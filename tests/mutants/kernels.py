@@ -305,31 +305,41 @@ CHECKED = ("test_runtime_check.py",)
 
 
 def check_of(bits: int) -> Group:
-    """Mutants of what holds a group of sensors against each other."""
+    """Mutants of parity values, and of what is quiet."""
     return of(
         f"include/ccgen/check{bits}.h",
         CHECKED,
-        ("(0u - sum)", "sum"),
-        (
-            "(size[j] > largest)",
-            "(size[j] >= largest)",
-            "where two are as large nobody is named, whichever comes first",
-        ),
-        ("            second = largest;\n", ""),
-        ("        } else if (size[j] > second) {\n", "        } else if (size[j] > largest) {\n"),
-        ("            first = j;\n", ""),
-        (
-            f"> (uint{2 * bits}_t)check->margin[first]",
-            f">= (uint{2 * bits}_t)check->margin[first]",
-        ),
-        (
-            f"> (uint{2 * bits}_t)check->threshold[j]",
-            f">= (uint{2 * bits}_t)check->threshold[j]",
-        ),
-        ("alarm = alarm || ", "alarm = "),
-        ("j < rows->sensors; ++j) {\n        size", "j + 1u < rows->sensors; ++j) {\n        size"),
+        ("all |= ", "all = "),
+        ("(all >> check->quiet_bits) >> 1", "all >> check->quiet_bits"),
+        (f"(uint{2 * bits}_t)1 << check->quiet_bits", f"(uint{2 * bits}_t)1 << check->shift"),
+        ("-(parity[i] + 1) : parity[i]", "-(parity[i] + 1) : 0"),
+        ("sizes > 0x7FFFu", "sizes > 0xFFFFu"),
+        ("sizes >>= check->shift", "sizes >>= 0"),
+        (" >> (check->shift + more)", " >> check->shift"),
+        ("    if (!ccgen_alarms(", "    if (ccgen_alarms("),
+        ("parity + kept, ", "parity, "),
         ("rows->sensors > CCGEN_UNROLLED_MAX", "rows->sensors > 1u + CCGEN_UNROLLED_MAX"),
     )
+
+
+RESIDUALS = of(
+    "include/ccgen/residuals.h",
+    CHECKED,
+    ("(0u - sum)", "sum"),
+    ("        row += check->sensors;\n", "        row += values;\n"),
+    (
+        "(size[j] > largest)",
+        "(size[j] >= largest)",
+        "where two are as large nobody is named, whichever comes first",
+    ),
+    ("            second = largest;\n", ""),
+    ("        } else if (size[j] > second) {\n", "        } else if (size[j] > largest) {\n"),
+    ("            first = j;\n", ""),
+    ("((largest - second) > margin)", "((largest - second) >= margin)"),
+    ("check->margin[first] >> more", "check->margin[first]"),
+    ("size[j] > ((uint32_t)check->threshold", "size[j] >= ((uint32_t)check->threshold"),
+    ("check->threshold[j] >> more", "check->threshold[j]"),
+)
 
 
 def serving_of(bits: int, rows: str) -> Group:
@@ -387,5 +397,6 @@ GROUPS = (
     check_of(32),
     serving_of(16, "rows"),
     serving_of(32, "weights"),
+    RESIDUALS,
     WATCH,
 )

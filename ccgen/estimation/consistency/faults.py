@@ -46,44 +46,58 @@ class Faults:
     isolated: Floats
 
 
-def faults(matrix: Floats, limits: Floats, sound: SoundReadings) -> Faults:
+@dataclass(frozen=True, eq=False)
+class _Residuals:
+    """Residuals z = T y of K snapshots, those that alarm and those that name.
+
+    Attributes:
+        alarming, naming: shape (K, n).
+        alarms, names: T of each, shape (n, n).
+    """
+
+    alarming: Floats
+    naming: Floats
+    alarms: Floats
+    names: Floats
+
+    def moved(self, sensor: int, offset: float) -> "_Residuals":
+        """With a fault in one sensor."""
+        return _Residuals(
+            self.alarming + offset * self.alarms[:, sensor],
+            self.naming + offset * self.names[:, sensor],
+            self.alarms,
+            self.names,
+        )
+
+
+def faults(alarms: Floats, names: Floats, limits: Floats, sound: SoundReadings) -> Faults:
     """Tell of the faults of one group of sensors.
 
     Args:
-        matrix: T of the residuals, shape (n, n).
-        limits: thresholds of the residuals, shape (n,).
+        alarms: T of the residuals that alarm, shape (n, n).
+        names: T of the residuals that name a sensor, shape (n, n).
+        limits: thresholds of the residuals that alarm, shape (n,).
         sound: readings of a sound joint.
     """
-    residuals = sound.sampled(_SAMPLES) @ matrix.T
-    found = np.array([_detectable(residuals, row, limits) for row in matrix.T])
-    margin = _margins(residuals, matrix, limits, found)
+    sampled = sound.sampled(_SAMPLES)
+    residuals = _Residuals(sampled @ alarms.T, sampled @ names.T, alarms, names)
+    found = np.array([_detectable(residuals.alarming, row, limits) for row in alarms.T])
+    margin = _margins(residuals, limits, found)
     largest = _LARGEST * np.abs(sound.lengths).max(axis=0)
-    named = [
-        _named_share(residuals, matrix.T[j] * size, limits, margin, j)
-        for j, size in enumerate(found)
-    ]
+    named = [_named_share(residuals, size, limits, margin, j) for j, size in enumerate(found)]
     isolated = [
-        _isolated(residuals, matrix.T[j], limits, margin, j, found[j], largest[j])
-        for j in range(len(found))
+        _isolated(residuals, limits, margin, j, found[j], largest[j]) for j in range(len(found))
     ]
     return Faults(found, margin, np.array(named) >= NAMED, np.array(isolated))
 
 
-def verdicts(
-    residuals: Floats, limits: Floats, margin: Floats
-) -> tuple[NDArray[np.bool_], Integers]:
-    """Whether each snapshot alarms, and the sensor that it names or -1.
-
-    Args:
-        residuals: shape (K, n).
-        limits: thresholds, shape (n,).
-        margin: shape (n,).
-    """
-    size = np.abs(residuals)
-    alarm = np.asarray((size > limits).any(axis=1))
+def _named(residuals: _Residuals, limits: Floats, margin: Floats) -> Integers:
+    """The sensor that each snapshot names or -1, shape (K,)."""
+    alarm = (np.abs(residuals.alarming) > limits).any(axis=1)
+    size = np.abs(residuals.naming)
     first = size.argmax(axis=1)
     clear = _lead(size) > margin[first]
-    return alarm, np.asarray(np.where(alarm & clear, first, -1), dtype=np.int64)
+    return np.asarray(np.where(alarm & clear, first, -1), dtype=np.int64)
 
 
 def _lead(size: Floats) -> Floats:
@@ -106,7 +120,7 @@ def _detectable(residuals: Floats, response: Floats, limits: Floats) -> float:
     return float(max(np.quantile(highest, SEEN), np.quantile(-lowest, SEEN)))
 
 
-def _margins(residuals: Floats, matrix: Floats, limits: Floats, sizes: Floats) -> Floats:
+def _margins(residuals: _Residuals, limits: Floats, sizes: Floats) -> Floats:
     """Leads that keep all mistakes about each fault together to a share MISTAKEN of its alarms.
 
     Four fifths of them are left to the sensors that a fault is often taken for, which all need
@@ -115,9 +129,10 @@ def _margins(residuals: Floats, matrix: Floats, limits: Floats, sizes: Floats) -
     margin = np.zeros(len(limits))
     for k, size in enumerate(sizes):
         for offset in [sign * scale * size for sign in (-1, 1) for scale in _SIZES]:
-            seen = np.abs(residuals + offset * matrix.T[k])
-            alarm = (seen > limits).any(axis=1)
-            first, lead = seen.argmax(axis=1)[alarm], _lead(seen)[alarm]
+            seen = residuals.moved(k, offset)
+            alarm = (np.abs(seen.alarming) > limits).any(axis=1)
+            named = np.abs(seen.naming[alarm])
+            first, lead = named.argmax(axis=1), _lead(named)
             if not first.size:
                 continue
             needed = np.quantile(np.where(first == k, 0.0, lead), 1.0 - 0.8 * MISTAKEN)
@@ -129,18 +144,17 @@ def _margins(residuals: Floats, matrix: Floats, limits: Floats, sizes: Floats) -
 
 
 def _named_share(
-    residuals: Floats, shift: Floats, limits: Floats, margin: Floats, sensor: int
+    residuals: _Residuals, size: float, limits: Floats, margin: Floats, sensor: int
 ) -> float:
     """Share of samples with a fault that name the sensor, for the worse sign."""
     return min(
-        float(np.mean(verdicts(residuals + sign * shift, limits, margin)[1] == sensor))
+        float(np.mean(_named(residuals.moved(sensor, sign * size), limits, margin) == sensor))
         for sign in (-1, 1)
     )
 
 
 def _isolated(
-    residuals: Floats,
-    response: Floats,
+    residuals: _Residuals,
     limits: Floats,
     margin: Floats,
     sensor: int,
@@ -150,7 +164,7 @@ def _isolated(
     """The smallest offset from `start` on that names its sensor."""
     size = start
     while size <= largest:
-        if _named_share(residuals, response * size, limits, margin, sensor) >= NAMED:
+        if _named_share(residuals, size, limits, margin, sensor) >= NAMED:
             return size
         size *= _GROWTH
     return np.nan

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.estimation.consistency.alarms import sharing, thresholds
-from ccgen.estimation.consistency.residuals import residual_matrix
+from ccgen.estimation.consistency.residuals import alarm_matrix
 from ccgen.estimation.consistency.sound import Floats, SoundReadings
 from ccgen.estimation.consistency.tails import Visited, with_tails
 from ccgen.sensing.noise import length_variance
@@ -85,7 +85,7 @@ def _of_loads(joint: "Joint", loads: "LoadRanges") -> SoundReadings:
     if not groups:
         return sound
     held = np.concatenate([np.arange(group.start, group.stop) for group in groups])
-    matrix = residual_matrix(sound, groups)[np.ix_(held, held)]
+    matrix = alarm_matrix(sound, groups)[np.ix_(held, held)]
     limits = thresholds(matrix, sound.of(held), joint.false_alarms)
     geometry = joint.geometry
 
