@@ -45,7 +45,8 @@ metres_per_count = 2e-6
     )
     + "[can]\nfd = true\nrate_switch = true\nbase_id = 0x123\ncommands = true\n",
 }
-KINDS = tuple(examples.EXAMPLES)
+KINDS = tuple(kind for kind, own in examples.EXAMPLES.items() if not own.classic_only)
+"""Those for every joint."""
 DLC = {n: code for code, n in enumerate((*range(9), 12, 16, 20, 24, 32, 48, 64))}
 """What a frame's length is called in its header (ISO 11898-1)."""
 

@@ -8,6 +8,7 @@ from typing import Any
 from ccgen import resources
 from ccgen.can.layout import LARGEST_ID, FrameLayout
 from ccgen.errors import ArgumentError, InputError
+from ccgen.export.banks import strangers, two_masks
 
 FOLDER = "examples"
 """Where they go in the exported folder, each into a folder of its kind's name."""
@@ -49,6 +50,13 @@ EXAMPLES: dict[str, Example] = {
         }
     ),
     "arduino": Example({name: name for name in ("arduino.ino", "README.md")}),
+    "mcp2515": Example(
+        {
+            name: name
+            for name in ("CMakeLists.txt", "avr.cmake", "main.c", "board.h", "board.c", "README.md")
+        },
+        "the MCP2515",
+    ),
     "zephyr": Example(
         {
             "CMakeLists.txt": "CMakeLists.txt",
@@ -88,7 +96,7 @@ def example_files(
     Raises:
         InputError: the controller of a kind does not speak CAN FD, and the joint does.
     """
-    files = {}
+    files, masks = {}, two_masks(layout)
     for kind in dict.fromkeys(kinds):
         example = EXAMPLES[kind]
         if layout.fd and example.classic_only:
@@ -103,6 +111,8 @@ def example_files(
                 filters=filters(layout),
                 length_filters=_length_filters(layout),
                 command_filters=_command_filters(layout),
+                two_masks=masks,
+                strangers=strangers(layout, masks),
             )
             files[f"{FOLDER}/{kind}/{path}"] = text.encode("utf-8")
     return files

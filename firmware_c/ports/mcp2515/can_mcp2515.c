@@ -402,7 +402,7 @@ static void attend(can_mcp2515_t *const can, const uint32_t now_us) {
 
 /** Attends to the chip, or leaves it to who does already. */
 static void take_turn(can_mcp2515_t *const can, const uint32_t now_us) {
-    if (can->busy) {
+    if (can->busy || (can->board == NULL)) { /* or not started */
         can->missed = true;
         return;
     }
@@ -417,9 +417,9 @@ static void take_turn(can_mcp2515_t *const can, const uint32_t now_us) {
 int can_mcp2515_start(can_mcp2515_t *const can, const can_mcp2515_board_t *const board,
                       const can_port_config_t *const config) {
     memset(can, 0, sizeof *can);
+    can->busy = true; /* until all is well */
     can->board = board;
     can->cycle_us = config->cycle_us;
-    can->busy = true; /* until all is well */
     if (config->fd) {
         return CAN_PORT_ERROR_FRAME;
     }

@@ -76,7 +76,7 @@ typedef struct {
 typedef struct {
     volatile can_port_counters_t counters; /**< can_mcp2515_counters() reads them */
     ccgen_queue_t arrivals;
-    const can_mcp2515_board_t *board;
+    const can_mcp2515_board_t *volatile board;
     uint32_t cycle_us;
     uint8_t settings[36];   /**< registers RXF0 to RXF2, RXF3 to RXF5, RXM0 to CANINTE */
     volatile bool busy;     /**< somebody speaks with the chip */
@@ -92,7 +92,8 @@ typedef struct {
 } can_mcp2515_t;
 
 /**
- * Resets the chip, sets it up and lets it join the bus; before its interrupt is let through.
+ * Resets the chip, sets it up and lets it join the bus. The interrupt may be on before that, where
+ * the state is zero: it does nothing then.
  * \param[out] can
  * \param[in] board
  * \param[in] config  `clock_hz` is that of the chip's crystal, 40 MHz at most; six filters

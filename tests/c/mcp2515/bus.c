@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SPANS 64
+#define SPANS 256
 #define RECOVERY_BITS (128u * 11u)
 
 typedef struct {
