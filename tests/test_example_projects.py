@@ -1,7 +1,7 @@
 """The projects under examples/ that are of one joint alone, and two joints in one Arduino sketch.
 
-The sketch goes through Arduino's own builder. For PlatformIO and ESP-IDF, which are not here, the
-programs are compiled as they would be. Those of any joint: test_export_examples.py.
+The sketch goes through Arduino's own builder. For PlatformIO, which is not here, the
+program is compiled as it would be. Those of any joint: test_export_examples.py.
 """
 
 import re
@@ -97,28 +97,15 @@ def test_two_joints_are_two_arduino_libraries_in_one_sketch(joints, tmp_path):
     assert {f.parent.parent.name for f in runtimes} == {"shoulder", "wrist"}
 
 
-@pytest.mark.parametrize(
-    ("main", "compiler"),
-    [("platformio/src/main.cpp", ["g++", "-std=c++14"]), ("esp_idf/main/main.c", ["gcc"])],
-)
-def test_the_programs_for_platformio_and_esp_idf_print_the_models_angles(
-    joints, tmp_path, main, compiler
-):
+def test_the_program_for_platformio_prints_the_models_angles(joints, tmp_path):
     source = joints / "shoulder" / "src"
     objects = []
     for file in source.rglob("*.c"):
         objects.append(tmp_path / f"{file.stem}.o")
         run("gcc", "-ffp-contract=off", f"-I{source}", "-c", file, "-o", objects[-1])
-    entry = tmp_path / "entry.c"
-    entry.write_text("void app_main(void);\nint main(void) { app_main(); return 0; }\n")
     program = tmp_path / "program"
     run(
-        *compiler, *STRICT.split(), f"-I{source}", EXAMPLES / main, *objects,
-        *([entry] if "app_main" in (EXAMPLES / main).read_text() else []), "-o", program,
+        "g++", "-std=c++14", *STRICT.split(), f"-I{source}",
+        EXAMPLES / "platformio" / "src" / "main.cpp", *objects, "-o", program,
     )  # fmt: skip
     assert printed_integers(run(program)) == u_angles(joints).tolist()
-
-
-def test_the_component_for_esp_idf_is_the_exported_folder(joints):
-    component = (EXAMPLES / "esp_idf" / "main" / "CMakeLists.txt").read_text()
-    assert f"REQUIRES {(joints / 'shoulder').name})" in component

@@ -49,6 +49,16 @@ EXAMPLES: dict[str, Example] = {
             "cortex-m4.cmake": "cortex-m/cortex-m4.cmake",
         }
     ),
+    "esp-idf": Example(
+        {
+            "CMakeLists.txt": "CMakeLists.txt",
+            "sdkconfig.defaults": "sdkconfig.defaults",
+            "main/CMakeLists.txt": "main_CMakeLists.txt",
+            "main/main.c": "main.c",
+            "README.md": "README.md",
+        },
+        "the TWAI controller of ESP32",
+    ),
     "arduino": Example({name: name for name in ("arduino.ino", "README.md")}),
     "mcp2515": Example(
         {

@@ -150,15 +150,15 @@ FRAMEWORKS = _words(
 
 DRIVERS = _words(
     """
-    adc aes alarm audio buffer bus button cache can channel chip clock clocks config counter cpu crc
-    crypto ctrl current dac data datetime device display dma err eth event events fault fdcan fifo
-    filter flash gpio gptimer gpu hash i2c i2s i3c int interp interrupt interrupts intr irq lcd led
-    ledc lin lldesc lock logger mcpwm mem mmc mmu mpu msg mutex net network nvic nvs op out packet
-    pcnt period phy pin pins pio pll pmu pool power publish pwm pwrctl qspi random rcc receiver
-    reset ringbuf rmt rng rtc rtos runtime rx s16 s32 s8 scan scheduler sdio sensor sensors serial
-    sha256 shell sleep spinlock sync sys syscfg system systick systimer tasks tick ticks tim
-    timebase transfer trng twai tx u16 u32 u64 u8 uart update usart usb_host usbd usbh watchdog wdt
-    work xfer
+    adc aes alarm audio basetype buffer bus button cache can channel chip clock clocks config
+    counter cpu crc crypto ctrl current dac data datetime device display dma err eth event events
+    fault fdcan fifo filter flash gpio gpio_num gptimer gpu hash i2c i2s i3c int interp interrupt
+    interrupts intr irq lcd led ledc lin lldesc lock logger mcpwm mem mmc mmu mpu msg mutex net
+    network nvic nvs op out packet pcnt period phy pin pins pio pll pmu pool power publish pwm
+    pwrctl qspi random rcc receiver reset ringbuf rmt rng rtc rtos runtime rx s16 s32 s8 scan
+    scheduler sdio sensor sensors serial sha256 shell sleep spinlock sync sys syscfg system systick
+    systimer taskhandle tasks tick ticks ticktype tim timebase transfer trng twai tx u16 u32 u64 u8
+    uart update usart usb_host usbd usbh watchdog wdt work xfer
     """
 )
 """Names whose `NAME_init`, `NAME_t` or `NAME.h` chips' vendors and their tools give to drivers."""
@@ -202,6 +202,7 @@ PREFIXES = {
     "i2c_": "chips' drivers",
     "stm32": "chips' drivers",
     "sys_": "Zephyr",
+    "twai_": "ESP-IDF",
     "uart_": "chips' drivers",
     "usb_": "chips' drivers",
     "zephyr": "Zephyr",
