@@ -20,6 +20,7 @@ from viewer import moves, viewer
 import ccgen
 from ccgen.sensing.bending import Bending
 from ccgen.view.page import open_page
+from ccgen.view.sight import Bends
 from ccgen.view.simulated import as_found, simulated_sights
 
 SPINE = Path(__file__).resolve().parents[2] / "examples" / "spine.toml"
@@ -28,12 +29,17 @@ LEAST = 30.0
 """Updates a second."""
 
 
+def scaled(bends: Bends, share: float) -> Bends:
+    """Another state each time: what has not changed is not sent."""
+    return Bends(share * bends.u, share * bends.v, bends.h)
+
+
 def main() -> None:
     """Print what came; status 1 where it is too little."""
     fit = ccgen.fit(ccgen.load(SPINE))
     joint = as_found(fit)
     bending = Bending("end-force", joint.geometry.range_of_motion)
-    sights = simulated_sights(fit, [bending.at(joint, k / 60) for k in range(1, 61)])
+    (sight,) = simulated_sights(fit, [bending.at(joint)])
     ended = threading.Event()
     with open_page(joint, "the simulated shape") as page, viewer(page.url) as batch:
 
@@ -41,7 +47,7 @@ def main() -> None:
             begin = time.monotonic()
             while not ended.wait(0.005):
                 now = time.monotonic() - begin
-                page.show(replace(sights[round(59 * abs(np.sin(now)))], t=now))
+                page.show(replace(sight, t=now, estimate=scaled(sight.estimate, np.sin(7.0 * now))))
 
         shown = threading.Thread(target=show)
         shown.start()
