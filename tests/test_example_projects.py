@@ -1,22 +1,17 @@
-"""The projects under examples/ that are of one joint alone, and two joints in one Arduino sketch.
+"""Two joints in one Arduino sketch, through Arduino's own builder.
 
-The sketch goes through Arduino's own builder. For PlatformIO, which is not here, the
-program is compiled as it would be. Those of any joint: test_export_examples.py.
+Projects of any joint: test_export_examples.py.
 """
 
-import re
 import shutil
 import subprocess
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from ccgen.export.package import export
-from ccgen.fixedpoint import load_model
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
-COUNTS = np.array([1500, 1200, 900])
 STRICT = "-Wall -Wextra -Wconversion -Wdouble-promotion -Werror"
 # Arduino's core for AVR asks C++ for a macro that Debian's avr-gcc offers to C alone.
 BUILDER = (
@@ -65,14 +60,6 @@ def run(*command: object, **options: object) -> str:
     return done.stdout
 
 
-def u_angles(joints: Path) -> np.ndarray:
-    return load_model(joints / "shoulder" / "model.json").u.estimate(COUNTS)
-
-
-def printed_integers(text: str) -> list[int]:
-    return [int(line) for line in text.splitlines() if re.fullmatch(r"-?\d+", line)]
-
-
 def arduino(sketch: Path, libraries: Path, board: str, out: Path) -> list[str]:
     """Build a sketch; gives the compiler's messages about files of ours."""
     require("arduino-builder", "arduino-builder", "avr-gcc", "gcc-avr")
@@ -95,17 +82,3 @@ def test_two_joints_are_two_arduino_libraries_in_one_sketch(joints, tmp_path):
     assert arduino(sketch, joints, board, tmp_path / "build") == []
     runtimes = (tmp_path / "build" / "libraries").rglob("ccgen/crc.c.o")
     assert {f.parent.parent.name for f in runtimes} == {"shoulder", "wrist"}
-
-
-def test_the_program_for_platformio_prints_the_models_angles(joints, tmp_path):
-    source = joints / "shoulder" / "src"
-    objects = []
-    for file in source.rglob("*.c"):
-        objects.append(tmp_path / f"{file.stem}.o")
-        run("gcc", "-ffp-contract=off", f"-I{source}", "-c", file, "-o", objects[-1])
-    program = tmp_path / "program"
-    run(
-        "g++", "-std=c++14", *STRICT.split(), f"-I{source}",
-        EXAMPLES / "platformio" / "src" / "main.cpp", *objects, "-o", program,
-    )  # fmt: skip
-    assert printed_integers(run(program)) == u_angles(joints).tolist()

@@ -3,11 +3,15 @@
 10,000 snapshots: tests/benchmarks/mcp2515_snapshots.py.
 """
 
+import configparser
+import json
+import shutil
 from pathlib import Path
 
 import pytest
 from avr_mcp2515 import Board, build
 from test_both_ends import ODD
+from test_example_projects import arduino
 
 from ccgen.errors import InputError
 from ccgen.export.banks import strangers, two_masks
@@ -24,7 +28,7 @@ SNAPSHOTS = 60
 def folders(tmp_path_factory):
     folder = tmp_path_factory.mktemp("mcp2515")
     for name, text in JOINTS.items():
-        export(parse_joint(text, f"{name}.toml"), folder / name, examples=["mcp2515"])
+        export(parse_joint(text, f"{name}.toml"), folder / name, examples=["mcp2515", "platformio"])
     return folder
 
 
@@ -36,6 +40,22 @@ def board(folders, tmp_path_factory):
 @pytest.mark.parametrize("name", JOINTS)
 def test_the_example_builds_for_a_chip_with_its_own_converter(folders, tmp_path, name):
     assert build(folders / name, tmp_path / "build").is_file()
+
+
+@pytest.mark.parametrize("name", JOINTS)
+def test_the_platformio_example_builds_as_arduino_builds_it(folders, tmp_path, name):
+    project = folders / name / "examples" / "platformio"
+    settings = configparser.ConfigParser()
+    settings.read(project / "platformio.ini")
+    mega = settings["env:mega"]
+    assert (mega["board"], mega["framework"]) == ("megaatmega2560", "arduino")
+    (library, path), *_ = (row.split("=", 1) for row in mega["lib_deps"].split("\n") if "=" in row)
+    assert (project / path.removeprefix("symlink://")).resolve() == (folders / name).resolve()
+    assert json.loads((folders / name / "library.json").read_text())["name"] == library == name
+    sketch = shutil.copytree(project / "src", tmp_path / "sketch")
+    (sketch / "sketch.ino").write_text(f"#include <{name}.h>\n")  # as the README says
+    board = "arduino:avr:mega:cpu=atmega2560"
+    assert arduino(sketch / "sketch.ino", folders, board, tmp_path / "build") == []
 
 
 def test_can_fd_is_refused_with_the_controllers_name(tmp_path):

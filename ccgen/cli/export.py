@@ -35,7 +35,7 @@ def export(
             "--example",
             metavar="KIND",
             help="Write a complete project as well, to DIR/examples/KIND: cmake, cortex-m, stm32, "
-            "esp-idf, arduino, mcp2515 or zephyr; may be repeated.",
+            "esp-idf, arduino, mcp2515, platformio or zephyr; may be repeated.",
         ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,

@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from ccgen import resources
@@ -22,10 +22,12 @@ class Example:
         files: paths in the project's folder, each with its template's name but for the ending; a
             name with a folder is another kind's.
         classic_only: what its controller is, where that does not speak CAN FD.
+        copies: paths in the project's folder, each with the file of the C runtime that it is.
     """
 
     files: Mapping[str, str]
     classic_only: str = ""
+    copies: Mapping[str, str] = field(default_factory=dict)
 
 
 EXAMPLES: dict[str, Example] = {
@@ -66,6 +68,21 @@ EXAMPLES: dict[str, Example] = {
             for name in ("CMakeLists.txt", "avr.cmake", "main.c", "board.h", "board.c", "README.md")
         },
         "the MCP2515",
+    ),
+    "platformio": Example(
+        {
+            "platformio.ini": "platformio.ini",
+            "src/main.cpp": "main.cpp",
+            "README.md": "README.md",
+        },
+        "the MCP2515",
+        {
+            "src/can_mcp2515.h": "ports/mcp2515/can_mcp2515.h",
+            "src/can_mcp2515.c": "ports/mcp2515/can_mcp2515.c",
+            "src/can_port.h": "ports/can/can_port.h",
+            "src/can_timing.h": "ports/can/can_timing.h",
+            "src/can_timing.c": "ports/can/can_timing.c",
+        },
     ),
     "zephyr": Example(
         {
@@ -125,6 +142,9 @@ def example_files(
                 strangers=strangers(layout, masks),
             )
             files[f"{FOLDER}/{kind}/{path}"] = text.encode("utf-8")
+        for path, source_path in example.copies.items():
+            copied = resources.firmware() / source_path
+            files[f"{FOLDER}/{kind}/{path}"] = copied.read_bytes()
     return files
 
 
