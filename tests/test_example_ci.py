@@ -32,7 +32,10 @@ def test_the_script_verifies_every_joint_file_it_is_given(scratch):
     joints = [ROOT / "examples" / "shoulder.toml", ROOT / "examples" / "wrist.toml"]
     done = check(*joints, scratch=scratch)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.count("Every angle is the model's, bit for bit; no frame was lost.") == 2
+    assert (
+        done.stdout.count("Every angle and pose is the model's, bit for bit; no frame was lost.")
+        == 2
+    )
     assert list(scratch.iterdir()) == []
 
 
@@ -55,7 +58,7 @@ def test_the_script_verifies_folders_that_are_there_with_ccgen_from_a_checkout(s
     run = f"{sys.executable} -m ccgen"
     done = check(tmp_path / "wrist", scratch=scratch, CCGEN=run, PATH=os.environ["PATH"])
     assert done.returncode == 0, done.stderr
-    assert "Every angle is the model's" in done.stdout
+    assert "Every angle and pose is the model's" in done.stdout
 
 
 def test_the_script_fails_on_a_wrong_joint_file_and_says_why(scratch, tmp_path):

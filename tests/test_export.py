@@ -106,12 +106,23 @@ def test_the_selftest_passes_and_a_wrong_weight_fails_it(exported, name, level, 
     assert run_selftest(damaged, tmp_path, level) == 1
 
 
+@pytest.mark.parametrize("name", ["finger", "trunk"])
+def test_a_wrong_step_of_a_pose_fails_the_selftest(exported, name, tmp_path):
+    damaged = Path(shutil.copytree(exported / name, tmp_path / "damaged"))
+    source = damaged / "src" / f"{name}_pose.c"
+    place = re.search(r"position\[0\] = ", source.read_text())
+    assert place is not None
+    source.write_text(source.read_text().replace(place[0], f"{place[0]}1 + ", 1))
+    assert run_selftest(damaged, tmp_path, "-O2") == 1
+
+
 def run_selftest(root: Path, out: Path, level: str) -> int:
     name = root.name if root.name != "damaged" else next(root.glob("*.dbc")).stem
     command = [
         "gcc", "-std=c99", level, "-fsanitize=undefined", "-fno-sanitize-recover=all",
         "-I", root / "src", "-I", root / "selftest",
-        *root.glob("selftest/*.c"), root / "src" / f"{name}.c", *root.glob("src/ccgen/*.c"),
+        *root.glob("selftest/*.c"), root / "src" / f"{name}.c", root / "src" / f"{name}_pose.c",
+        *root.glob("src/ccgen/*.c"),
         "-o", out / "selftest",
     ]  # fmt: skip
     subprocess.run(command, check=True)

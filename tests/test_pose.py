@@ -1,6 +1,7 @@
 """Integer poses: within their proven bounds, and the same bits in C on every core."""
 
 import ctypes
+import json
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -18,12 +19,16 @@ from ccgen import kinematics as kin
 from ccgen import resources
 from ccgen.cost.emulator import CORES, Program
 from ccgen.cost.link import link
-from ccgen.errors import FormatError
+from ccgen.errors import CheckError, FormatError
 from ccgen.export.pose_c import pose_files
 from ccgen.fixedpoint.pose import PoseModel, PoseTask
 from ccgen.fixedpoint.pose_bounds import norm, root, truncations
 from ccgen.fixedpoint.pose_plan import TARGETS, pose_model
 from ccgen.kinematics.symbolic import TurnDegrees, turn_function
+from ccgen.fixedpoint.pose_storage import pose_model as pose_model_of
+from ccgen.fixedpoint.pose_storage import pose_record
+from ccgen.polynomial.proof import prove
+from ccgen.polynomial.storage import compiled_function
 from ccgen.targets.compiler import WARNINGS
 from ccgen.targets.cores import core_named, require_tools
 
@@ -56,6 +61,36 @@ def states(task: PoseTask, count: int, whole: bool, seed: int = 1) -> list[np.nd
         most = task.largest if whole else int(task.elongation * 2.0**task.elongation_bits)
     found.append(random.integers(-most, most + 1, (count, len(task.sections))))
     return found
+
+
+def test_poses_read_back_from_json_are_the_same():
+    for name in NAMES:
+        text = json.dumps(pose_record(model(name)))
+        again = pose_model_of(json.loads(text)["poses"])
+        assert again.task == model(name).task
+        assert (again.bounds, again.wide_bounds) == (model(name).bounds, model(name).wide_bounds)
+        assert again.turn.plan == model(name).turn.plan
+        assert prove(again.place.plan) == again.place.proof == model(name).place.proof
+        drawn = states(TASKS[name], 30, whole=True)
+        np.testing.assert_array_equal(again.chain(*drawn), model(name).chain(*drawn))
+        np.testing.assert_array_equal(again.chain(*drawn)[:, -1], again.entries(*drawn))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda step: step.replace("subtract", "divide"), "step 13 of a plan: divide"),
+        (lambda step: step.replace("subtract 1", "subtract 9"), "step 13 of a plan"),
+        (lambda step: step.replace("subtract", "word"), "its format is not its operands'"),
+        (lambda step: step + "0000000000", "may leave 32 bits"),
+    ],
+)
+def test_a_plan_that_no_integers_have_is_refused_when_read(change, said):
+    record = pose_record(model("shoulder"))["poses"]["turn"]
+    place = next(k for k, step in enumerate(record["steps"]) if step.startswith("subtract 1"))
+    record["steps"][place] = change(record["steps"][place])
+    with pytest.raises((ValueError, CheckError), match=said):
+        compiled_function(record)
 
 
 def floats(task: PoseTask, u, v, h) -> np.ndarray:

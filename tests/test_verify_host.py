@@ -50,7 +50,8 @@ def test_every_example_equals_its_model_over_every_transport(exported, name):
     assert list(runs) == ["batch", "virtual", "slcan-pty"]
     for run in runs.values():
         assert run["target"] == "host"
-        assert run["mismatches"] == run["lost_frames"] == 0
+        assert run["mismatches"] == run["lost_frames"] == run["pose_mismatches"] == 0
+        assert run["compared_poses"] >= 120
         assert run["compared_values"] >= 1000
         assert 0 < run["pose_max_error_m"] <= run["pose_bound_m"]
     assert runs["virtual"]["snapshots"] == runs["slcan-pty"]["snapshots"] == 120
@@ -123,6 +124,17 @@ def test_wrong_kinematics_fail_although_every_angle_is_right(shoulder):
     result = verify(shoulder, "--json")
     assert result.exit_code == 1
     assert runs_of(result)["batch"]["mismatches"] == 0
+
+
+def test_a_pose_that_is_off_by_one_step_is_a_mismatch_over_every_transport(shoulder):
+    change(shoulder / "src" / "shoulder_pose.c", r"(chord\[0\] = )", r"\g<1>4096 + ")
+    result = verify(shoulder, "--json")
+    assert result.exit_code == 1
+    for run in runs_of(result).values():
+        assert run["mismatches"] == 0
+        assert run["pose_mismatches"] > 0
+        assert not run["passed"]
+    assert "poses in integers differ from the model's" in verify(shoulder).stdout
 
 
 def test_code_that_does_not_compile_is_named(shoulder):

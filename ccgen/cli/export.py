@@ -38,6 +38,15 @@ def export(
             "esp-idf, arduino, mcp2515, platformio or zephyr; may be repeated.",
         ),
     ] = None,
+    functions: Annotated[
+        Path | None,
+        typer.Option(
+            "--functions",
+            metavar="FILE",
+            help="A Python file of CasADi functions of the joint's angles u, v and elongation h, "
+            "polynomials, to export in integers too; docs/polynomial.md tells more.",
+        ),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Write a folder with fixed-point C that stands alone: estimator, kinematics, CAN node, DBC.
@@ -59,7 +68,7 @@ def export(
     targets = _countable_targets() if cost else []
     table_is_lost = not cost and has_table(output)
     with progress_bars(lines=True) as report:
-        done = write(joint_file, output, report, examples or ())
+        done = write(joint_file, output, report, examples or (), functions)
     for text in done.notes:
         note(text)
     warn(done.doubts)

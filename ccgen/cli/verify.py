@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from ccgen.verify.run import Run
 
 
+TITLES = "snapshots", "degraded", "a second", "angles", "poses", "wrong", "lost", "pose / µm"
+
+
 def verify(
     directory: Annotated[
         Path, typer.Argument(metavar="DIR", help="A folder that `ccgen export` wrote.")
@@ -43,12 +46,13 @@ def verify(
     seed: Annotated[int, typer.Option(min=0, help="Of the random counts.", metavar="N")] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
-    """Compile a folder, stream counts to it over CAN and compare every angle bit for bit.
+    """Compile a folder, stream counts to it over CAN and compare every angle and pose bit for bit.
 
     On the host it runs as a shared library on python-can's virtual bus and as a process of its own
     over SLCAN on a pseudo-terminal; microcontrollers run in an emulator and speak SLCAN over their
-    UART. Counts cover the shapes, the corners and the whole declared range. A mismatch, a lost
-    frame or a pose out of bounds ends with status 1.
+    UART. Counts cover the shapes, the corners and the whole declared range. Angles, poses in
+    integers and TIP frames are compared with their integer models, poses in floating point with
+    double precision. A mismatch, a lost frame or a pose out of bounds ends with status 1.
 
     \b
     Example:
@@ -92,7 +96,8 @@ def _show(runs: Sequence["Run"]) -> None:
 
     table = Table(box=None, pad_edge=False)
     table.add_column("target, transport", no_wrap=True)
-    for title in ("snapshots", "degraded", "a second", "angles", "wrong", "lost", "pose / µm"):
+    functions = ["functions"] if any(run.compared_functions for run in runs) else []
+    for title in (*TITLES[:5], *functions, *TITLES[5:]):
         table.add_column(title, justify="right", no_wrap=True)
     for run in runs:
         table.add_row(
@@ -101,7 +106,9 @@ def _show(runs: Sequence["Run"]) -> None:
             f"{run.degraded_snapshots:,}",
             f"{run.rate_hz:,.0f}",
             f"{run.compared_values:,}",
-            f"{run.mismatches:,}",
+            f"{run.compared_poses:,}",
+            *(f"{run.compared_functions:,}" for _ in functions),
+            f"{run.mismatches + run.pose_mismatches + run.function_mismatches:,}",
             f"{run.lost_frames:,}",
             f"{1e6 * run.pose_max_error_m:.2g} < {1e6 * run.pose_bound_m:.2g}",
         )
@@ -109,7 +116,18 @@ def _show(runs: Sequence["Run"]) -> None:
     show_table(table)
     failed = [run for run in runs if not run.passed]
     for run in failed:
-        reason = run.note or "does not compute what the model computes"
+        reason = run.note or _said(run)
         console.print(f"FAILED: {run.target} over {run.transport}: {reason}")
     if not failed:
-        console.print("Every angle is the model's, bit for bit; no frame was lost.")
+        whole = "angle, pose and result" if functions else "angle and pose"
+        console.print(f"Every {whole} is the model's, bit for bit; no frame was lost.")
+
+
+def _said(run: "Run") -> str:
+    counts = (
+        (run.mismatches, "angles"),
+        (run.pose_mismatches, "poses in integers"),
+        (run.function_mismatches, "results of functions"),
+    )
+    wrong = " and ".join(f"{count:,} {what}" for count, what in counts if count)
+    return f"{wrong} differ from the model's" if wrong else "does not compute what the model does"

@@ -1,14 +1,17 @@
 """Exact cycles of the calls of a joint on an ATmega, from simavr."""
 
 import subprocess
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
 from ccgen.can.transports import not_run
+from ccgen.cost.harness import FIRST_FUNCTION
 from ccgen.cost.instructions import Spent, Times
 from ccgen.errors import ToolError
 from ccgen.resources import template
 from ccgen.targets.compiler import compiler, run_compiler
+from ccgen.targets.exported import Exported
 
 MCU, HERTZ = "atmega1284p", 16_000_000
 
@@ -20,10 +23,11 @@ and a frame received again; and behind a frame that was HEALTH."""
 _EMPTY = (7, 8)
 
 
-def cycles(program: Path, folder: Path) -> Times:
+def cycles(exported: Exported, program: Path, folder: Path) -> Times:
     """Run the harness's own main.
 
     Args:
+        exported: the folder that it is of.
         program: linked for `MCU`.
         folder: for the emulator, which is compiled here.
 
@@ -43,21 +47,33 @@ def cycles(program: Path, folder: Path) -> Times:
     notes = [(int(number), int(cycle)) for _, number, cycle in words]
     if done.returncode != 0 or not notes:
         raise ToolError(f"{program.name}: simavr ended with status {done.returncode}")
-    return _times(notes)
+    return _times(notes, [function.name for function in exported.functions.compiled])
 
 
-def _times(notes: list[tuple[int, int]]) -> Times:
+def _times(notes: list[tuple[int, int]], functions: Sequence[str]) -> Times:
     """Cycles between notes, without those of an empty pair."""
     spent = [(number, later - cycle) for (number, cycle), (_, later) in pairwise(notes)]
     empty = next(taken for number, taken in spent if number == _EMPTY[0])
+    own = range(FIRST_FUNCTION, FIRST_FUNCTION + len(functions))
     snapshots: list[dict[int, int]] = []
     for place, (number, taken) in enumerate(spent):
         if number == _ESTIMATE:
-            snapshots.append(dict.fromkeys(_PARTS, 0))
-        if number in _PARTS:
+            snapshots.append(dict.fromkeys((*_PARTS, *own), 0))
+        if number in (*_PARTS, *own):
             is_health = number == _TRANSMIT and notes[place + 2][0] == _WAS_HEALTH
             snapshots[-1][_WAS_HEALTH if is_health else number] += taken - empty
     return Times.of(
-        [Spent(one[1], one[2], one[5], one[3], one[4], one[_WAS_HEALTH]) for one in snapshots],
+        [
+            Spent(
+                estimate=one[1],
+                tip_pose=one[2],
+                frame=one[5],
+                received=one[3],
+                transmit=one[4],
+                health=one[_WAS_HEALTH],
+                functions={name: one[number] for name, number in zip(functions, own, strict=True)},
+            )
+            for one in snapshots
+        ],
         unit="cycles",
     )

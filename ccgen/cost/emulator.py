@@ -77,7 +77,7 @@ CORES = {
         architecture=unicorn.UC_ARCH_RISCV,
         mode=unicorn.UC_MODE_RISCV32,
         model=riscv_const.UC_CPU_RISCV32_ANY,
-        arguments=tuple(getattr(riscv_const, f"UC_RISCV_REG_A{i}") for i in range(4)),
+        arguments=tuple(getattr(riscv_const, f"UC_RISCV_REG_A{i}") for i in range(8)),
         result=riscv_const.UC_RISCV_REG_A0,
         stack=riscv_const.UC_RISCV_REG_SP,
         link=riscv_const.UC_RISCV_REG_RA,
@@ -92,6 +92,8 @@ CORES = {
             x86_const.UC_X86_REG_RSI,
             x86_const.UC_X86_REG_RDX,
             x86_const.UC_X86_REG_RCX,
+            x86_const.UC_X86_REG_R8,
+            x86_const.UC_X86_REG_R9,
         ),
         result=x86_const.UC_X86_REG_RAX,
         stack=x86_const.UC_X86_REG_RSP,
@@ -172,16 +174,20 @@ class Program:
 
         Args:
             function: its symbol.
-            arguments: up to four numbers, or symbols for their addresses.
+            arguments: numbers, or symbols for their addresses.
             counted: whether to count instructions and stack, which takes a hundred times longer.
 
         Raises:
             CheckError: the core faulted or did not return.
         """
-        core, top = self._core, RAM + RAM_BYTES
-        for register, value in zip(core.arguments, arguments, strict=False):
-            number = self.address(value) if isinstance(value, str) else value & 0xFFFFFFFF
+        core = self._core
+        numbers = [
+            self.address(value) if isinstance(value, str) else value & 0xFFFFFFFF
+            for value in arguments
+        ]
+        for register, number in zip(core.arguments, numbers, strict=False):
             self._uc.reg_write(register, number)
+        top = self._on_stack(numbers[len(core.arguments) :])
         if core.link is None:
             self._uc.mem_write(top - _PUSHED, RETURN.to_bytes(_PUSHED, "little"))
             self._uc.reg_write(core.stack, top - _PUSHED)
@@ -203,6 +209,14 @@ class Program:
         value = int(self._uc.reg_read(core.result)) & 0xFFFFFFFF
         result = value - 2**32 if value >= 2**31 else value
         return Call(result, self._counted, top - self._lowest)
+
+    def _on_stack(self, numbers: list[int]) -> int:
+        """Put arguments for which no registers are left where a caller would; the stack's top."""
+        size = _PUSHED if self._core.link is None else 4
+        top = RAM + RAM_BYTES - -(-size * len(numbers) // 16) * 16
+        for place, number in enumerate(numbers):
+            self._uc.mem_write(top + size * place, number.to_bytes(size, "little"))
+        return top
 
     def _hooks(self) -> list[Any]:
         stack = (RAM + RAM_BYTES - STACK_BYTES, RAM + RAM_BYTES)

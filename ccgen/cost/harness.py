@@ -4,6 +4,8 @@ import can
 import numpy as np
 
 from ccgen.export.fields import fields_of
+from ccgen.functions.integer import outputs_of
+from ccgen.polynomial import Compiled
 from ccgen.resources import template
 from ccgen.sensing.counts import corner_counts, random_counts
 from ccgen.targets.exported import Exported
@@ -12,6 +14,9 @@ from ccgen.targets.inputs import Integers, shape_counts
 SHAPES = 2
 CORNERS = 2
 DRAWN = 1
+
+FIRST_FUNCTION = 11
+"""Number that the harness notes on AVR before the first of the user's own functions."""
 
 
 def snapshots(exported: Exported) -> Integers:
@@ -39,6 +44,11 @@ def source(exported: Exported) -> str:
     counts = snapshots(exported)
     sent = frames(exported, counts)
     fields = fields_of(exported.joint, exported.layout)
+    results = {
+        f"cost_{function.name}_{output}": len(row)
+        for function in exported.functions.compiled
+        for output, row in outputs_of(function).items()
+    }
     return template("cost_harness.c.j2").render(
         name=exported.joint.name,
         counts=[[row[field.part] for field in fields] for row in counts.tolist()],
@@ -46,4 +56,18 @@ def source(exported: Exported) -> str:
         messages=[message for group in sent for message in group],
         cycle_us=exported.layout.cycle_us,
         health_id=exported.layout.frames_of("health")[0].id,
+        functions=[
+            {"name": function.name, "variables": variables}
+            for function, variables in results_of(exported)
+        ],
+        results=results,
+        first_function=FIRST_FUNCTION,
     )
+
+
+def results_of(exported: Exported) -> list[tuple[Compiled, list[str]]]:
+    """The user's own functions, each with the variables that it writes its outputs to."""
+    return [
+        (function, [f"cost_{function.name}_{output}" for output in outputs_of(function)])
+        for function in exported.functions.compiled
+    ]

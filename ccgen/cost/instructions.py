@@ -1,10 +1,10 @@
 """Exact instructions of the calls of a joint, counted in an emulated core."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from ccgen.cost.emulator import Program
-from ccgen.cost.harness import snapshots
+from ccgen.cost.harness import results_of, snapshots
 from ccgen.errors import CheckError
 from ccgen.targets.exported import Exported
 
@@ -22,6 +22,7 @@ class Times:
         health: a HEALTH frame fetched, which belongs to no snapshot; 0 where none is sent.
         snapshot: its frames in, the estimate and the tip pose, all answers out, without HEALTH.
         unit: "instructions" or "cycles".
+        functions: of the user's own, by name; part of no snapshot.
     """
 
     estimate: int
@@ -32,12 +33,14 @@ class Times:
     health: int
     snapshot: int
     unit: str
+    functions: Mapping[str, int] = field(default_factory=dict)
 
     @classmethod
     def of(cls, spent: "Sequence[Spent]", unit: str) -> "Times":
         """The most of several snapshots."""
         most = {name: max(getattr(one, name) for one in spent) for name in _COUNTED}
-        return cls(**most, unit=unit)
+        functions = {name: max(one.functions[name] for one in spent) for name in spent[0].functions}
+        return cls(**most, unit=unit, functions=functions)
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,7 @@ class Spent:
     Attributes:
         estimate, tip_pose, frame, transmit, health: as of `Times`.
         received: by the calls that took its frames, the last with estimate and tip pose in it.
+        functions: of the user's own, by name, of its angles.
     """
 
     estimate: int
@@ -55,6 +59,7 @@ class Spent:
     received: int
     transmit: int
     health: int
+    functions: Mapping[str, int]
 
     @property
     def receive(self) -> int:
@@ -130,7 +135,11 @@ def _snapshot(exported: Exported, program: Program, machine: _Machine, k: int, r
     again, _ = machine.call("node_receive", "cost_node", sent + k * frames * frame_size, now)
     frame = max([again, *(taken for taken, _ in received[:-1])])
     taken = sum(taken for taken, _ in received)
-    return Spent(estimate, tip_pose, frame, taken, answers, health)
+    functions = {
+        function.name: machine.call(function.name, "cost_angles", *variables)[0]
+        for function, variables in results_of(exported)
+    }
+    return Spent(estimate, tip_pose, frame, taken, answers, health, functions)
 
 
 def _id_of(program: Program) -> int:

@@ -1,6 +1,7 @@
 """What an exported folder costs on one target."""
 
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 from ccgen.cost import stack
 from ccgen.cost.instructions import Times, count
 from ccgen.cost.program import CALLS, compile_measured
-from ccgen.cost.size import Size, read_map
+from ccgen.cost.size import FUNCTIONS, Size, read_map
 from ccgen.errors import CheckError
 from ccgen.targets.compiler import LEVEL
 from ccgen.targets.cores import COUNTED, core_named
@@ -29,6 +30,8 @@ class Cost:
         constants_in_ram: whether tables stand in RAM as well.
         stacks: worst case of each call, bytes.
         times: the most that each call took.
+        functions: bytes of the user's own functions, beside those of a node.
+        function_stacks: their worst case, bytes.
     """
 
     target: str
@@ -38,6 +41,8 @@ class Cost:
     constants_in_ram: bool
     stacks: dict[str, int]
     times: Times
+    functions: Size
+    function_stacks: Mapping[str, int]
 
     @property
     def code_bytes(self) -> int:
@@ -88,6 +93,14 @@ class Cost:
                 for name, part in self.parts.items()
             },
             "stacks": self.stacks,
+            "functions": {
+                name: {
+                    "instructions_per_call": taken,
+                    "stack_bytes": self.function_stacks[name],
+                }
+                for name, taken in self.times.functions.items()
+            },
+            "functions_flash_bytes": self.functions.code + self.functions.constants,
         }
 
 
@@ -106,18 +119,22 @@ def measure(exported: Exported, target: str, level: str = LEVEL) -> Cost:
         functions = stack.read_disassembly(compiled.disassembly, core.return_bytes)
         frames = stack.read_frames(folder)
         joint = exported.joint.name
+        own = [function.name for function in exported.functions.compiled]
         stacks = {
             call: stack.worst_case(f"{joint}_{call}", functions, frames)[0]
-            for call in (*CALLS, "node_init")
+            for call in (*CALLS, "node_init", *own)
         }
         times = _times(exported, target, compiled.program, folder, max(stacks.values()))
+        parts = read_map(compiled.map, joint)
         return Cost(
             target=target,
             level=level,
-            parts=read_map(compiled.map, joint),
+            functions=parts.pop(FUNCTIONS),
+            parts=parts,
             state_bytes=compiled.state_bytes,
             constants_in_ram=not core.constants_in_flash,
-            stacks=stacks,
+            stacks={call: taken for call, taken in stacks.items() if call not in own},
+            function_stacks={call: stacks[call] for call in own},
             times=times,
         )
 
@@ -126,7 +143,7 @@ def _times(exported: Exported, target: str, program: Path, folder: Path, bound: 
     if target == "avr":
         from ccgen.cost import avr
 
-        return avr.cycles(program, folder)
+        return avr.cycles(exported, program, folder)
     from ccgen.cost.emulator import CORES as EMULATED
     from ccgen.cost.emulator import Program
 

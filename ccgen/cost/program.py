@@ -73,6 +73,8 @@ def compile_measured(exported: Exported, core: Core, folder: Path, level: str = 
     roots = [
         *(f"{joint}_{call}" for call in (*CALLS, "init", "capture_zero", "node_init")),
         *(f"cost_{variable}" for variable in _VARIABLES),
+        *(f"{joint}_{function.name}" for function, _ in harness.results_of(exported)),
+        *(one for _, variables in harness.results_of(exported) for one in variables),
     ]
     program = folder / "cost.elf"
     if core.name == "avr":

@@ -63,7 +63,32 @@ def markdown(costs: "Sequence[Cost]") -> str:
         "", f"| {' | '.join(TITLES)} |", f"|---{'|---:' * (len(TITLES) - 1)}|",
     ]  # fmt: skip
     lines += [f"| {' | '.join(row)} |" for row in map(row_of, costs)]
+    if any(cost.times.functions for cost in costs):
+        lines += ["", *_functions_table(costs)]
     return "\n".join(lines) + "\n"
+
+
+def _functions_table(costs: "Sequence[Cost]") -> list[str]:
+    titles, rows = functions_table(costs)
+    return [
+        "The functions of your own module, beside the node: the most instructions (AVR: cycles) of "
+        "a call, and bytes of flash of all.",
+        "", f"| {' | '.join(titles)} |", f"|---{'|---:' * (len(titles) - 1)}|",
+        *(f"| {' | '.join(row)} |" for row in rows),
+    ]  # fmt: skip
+
+
+def functions_table(costs: "Sequence[Cost]") -> tuple[list[str], list[list[str]]]:
+    """Titles and rows, one a target, of what the user's own functions cost."""
+    rows = [
+        [
+            cost.target,
+            *(f"{taken:,}" for taken in cost.times.functions.values()),
+            f"{cost.functions.code + cost.functions.constants:,}",
+        ]
+        for cost in costs
+    ]
+    return ["target", *costs[0].times.functions, "flash"], rows
 
 
 def _span(numbers: "Sequence[int]") -> str:

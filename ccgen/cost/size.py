@@ -19,6 +19,9 @@ _ENTRY = re.compile(
 HARNESS = "ccgen_harness"
 """Name of what only measures; no joint's name begins like this."""
 
+FUNCTIONS = "functions"
+"""The user's own, which no node needs."""
+
 PARTS = ("estimator", "kinematics", "node", "library")
 """The joint's three parts, the runtime counted as the node's, and the compiler's own functions."""
 
@@ -58,7 +61,7 @@ def read_map(path: Path, joint: str) -> dict[str, Size]:
     _, heading, linked = path.read_text(encoding="utf-8").partition(_LINKED)
     if not heading:
         raise ToolError(f"{path.name}: no linker's map of GNU binutils")
-    sizes = dict.fromkeys(PARTS, Size())
+    sizes = dict.fromkeys((*PARTS, FUNCTIONS), Size())
     for entry in _ENTRY.finditer(linked):
         part = _part(entry["file"], joint)
         if part is not None:
@@ -72,6 +75,7 @@ def _part(file: str, joint: str) -> str | None:
     name = Path(file).name
     parts = {
         f"{joint}.o": "estimator", f"{joint}_pose.o": "kinematics", f"{joint}_can.o": "node",
+        f"{joint}_functions.o": FUNCTIONS,
     }  # fmt: skip
     if name in parts:
         return parts[name]

@@ -12,11 +12,16 @@ if TYPE_CHECKING:
 
 
 class _Export(ModuleType):
-    def __call__(self, fitted: "Fit | Joint | str | Path", directory: str | Path) -> "Export":
+    def __call__(
+        self,
+        fitted: "Fit | Joint | str | Path",
+        directory: str | Path,
+        functions: str | Path | None = None,
+    ) -> "Export":
         """As `ccgen.export.package.export`."""
         from ccgen.export.package import export
 
-        return export(fitted, directory)
+        return export(fitted, directory, functions=functions)
 
 
 sys.modules[__name__].__class__ = _Export

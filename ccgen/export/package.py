@@ -15,6 +15,7 @@ from ccgen.export.arrangement import arrangement_context
 from ccgen.export.dbc import dbc_text
 from ccgen.export.errors_context import errors_context
 from ccgen.export.examples import check_kinds, example_files
+from ccgen.export.functions_c import functions_context, functions_files, require_free
 from ccgen.export.guard_context import guard_context
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
@@ -24,6 +25,9 @@ from ccgen.export.selftest_context import selftest_context
 from ccgen.fixedpoint import Fit, FixedPointModel, fit
 from ccgen.fixedpoint.guarded_storage import guarded_json
 from ccgen.fixedpoint.kept import Kept, inputs_of, kept_fit
+from ccgen.fixedpoint.pose_storage import pose_record
+from ccgen.functions import JointFunctions, Module, compile_functions, read_module
+from ccgen.functions.storage import functions_record
 from ccgen.joint import Joint
 from ccgen.joint.file import load, parse_joint
 from ccgen.outputs import new_folder
@@ -86,6 +90,7 @@ def export(
     directory: str | Path,
     report: Report = in_silence,
     examples: Sequence[str] = (),
+    functions: str | Path | None = None,
 ) -> Export:
     """Write the folder for a joint; an older export in its place is replaced in one step.
 
@@ -95,12 +100,16 @@ def export(
         directory: the folder to write.
         report: told of progress where something takes long: what, steps done, steps in all.
         examples: kinds of complete projects to write beside it, of `ccgen.export.examples`.
+        functions: a Python file of CasADi functions of the joint's angles, which are exported in
+            integers (`ccgen.functions`).
 
     Raises:
-        InputError: the joint's file is wrong, no format fits, the controller of an example does
-            not speak CAN FD, or the folder cannot be written or holds files that are not ours.
+        InputError: the joint's file or a function is wrong, no format fits, the controller of an
+            example does not speak CAN FD, or the folder cannot be written or holds files that are
+            not ours.
     """
     check_kinds(examples)
+    module = None if functions is None else read_module(functions)
     joint = load(fitted) if isinstance(fitted, str | Path) else fitted
     kept = None if isinstance(joint, Fit) else kept_fit(_as_filed(joint))
     if isinstance(joint, Fit):
@@ -109,7 +118,7 @@ def export(
         whole = kept.fit
     else:
         whole = fit(joint, report=report)
-    layout, files = render(whole, kept, examples)
+    layout, files = render(whole, kept, examples, module)
     with new_folder(Path(directory), _only_ours) as folder:
         for path, content in files.items():
             target = folder / path
@@ -128,7 +137,10 @@ def export(
 
 
 def render(
-    fitted: Fit, kept: Kept | None = None, examples: Sequence[str] = ()
+    fitted: Fit,
+    kept: Kept | None = None,
+    examples: Sequence[str] = (),
+    module: Module | None = None,
 ) -> tuple[FrameLayout, dict[str, bytes]]:
     """The frames, and every file's content by path; the same input, the same bytes.
 
@@ -136,9 +148,12 @@ def render(
         fitted: what to export.
         kept: where it comes from.
         examples: as of `export`.
+        module: of the user's own functions.
     """
     _as_filed(fitted.joint)
     joint, model = fitted.sensed, fitted.model
+    functions = JointFunctions() if module is None else compile_functions(module, model)
+    parts = (*_JOINT_PARTS, *(("_functions",) if functions else ()))
     layout = layout_for(joint, model.readings)
     runtime, poses = runtime_files(), fitted.poses
     values: dict[str, Any] = {
@@ -148,7 +163,7 @@ def render(
         **context.can_context(layout, joint, fitted.guarded),
         **errors_context(fitted),
         "drawing": arrangement_context(joint),
-        **selftest_context(joint, fitted.guarded, layout, fitted.shapes),
+        **selftest_context(joint, fitted.guarded, poses, layout, fitted.shapes),
         "zeros": model.readings.zero.tolist(),
         "tip_shift": poses.position_bits - layout.tip_fraction_bits,
         "kinematics": kinematics_context(
@@ -160,7 +175,11 @@ def render(
             joint.geometry.sections if "h" in model.axes else (),
         ),
         "runtime_sources": sorted(f for f in runtime if f.endswith(".c") and f.startswith("src/")),
-        "joint_sources": [f"src/{joint.name}{part}.c" for part in _JOINT_PARTS],
+        "joint_sources": [f"src/{joint.name}{part}.c" for part in parts],
+        "joint_headers": [f"src/{joint.name}{part}.h" for part in parts],
+        "functions": functions_context(joint.name, functions),
+        "functions_source": functions.source,
+        "function_words": functions.words,
     }
     texts = {
         path.format(name=joint.name): resources.template(template).render(values)
@@ -168,14 +187,21 @@ def render(
     }
     for file, text in pose_files(joint.name, poses, tuple(model.axes)).items():
         texts[f"src/{file}"] = text
+    if functions:
+        require_free(joint.name, functions, texts)
+        for file, text in functions_files(joint.name, functions).items():
+            texts[f"src/{file}"] = text
     texts[f"{joint.name}.dbc"] = dbc_text(layout, joint, model)
-    texts["model.json"] = guarded_json(fitted.guarded)
+    texts["model.json"] = guarded_json(
+        fitted.guarded, pose_record(poses) | functions_record(functions)
+    )
     files = runtime | {"joint.toml": joint.content, "LICENSE": resources.licence().read_bytes()}
     if joint.calibration_content:
         files[f"{joint.name}{CALIBRATION_END}"] = joint.calibration_content
     files |= {path: text.encode("utf-8") for path, text in texts.items()}
     files |= example_files(examples, layout, joint.source, values)
-    files[FILE_NAME] = manifest_json(joint.name, _inputs(fitted, kept), files).encode("utf-8")
+    inputs = _inputs(fitted, kept) | ({functions.source: functions.sha256} if functions else {})
+    files[FILE_NAME] = manifest_json(joint.name, inputs, files).encode("utf-8")
     return layout, files
 
 

@@ -13,6 +13,7 @@ from ccgen.export.model_context import relative_arrays
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.model import Integers
+from ccgen.fixedpoint.pose import PoseModel, pose_inputs
 from ccgen.joint import Joint
 from ccgen.sensing.counts import counts
 from ccgen.shapes import Shapes
@@ -23,7 +24,7 @@ BLOCK_SNAPSHOTS = 64
 
 
 def selftest_context(
-    joint: Joint, guarded: GuardedModel, layout: FrameLayout, shapes: Shapes
+    joint: Joint, guarded: GuardedModel, poses: PoseModel, layout: FrameLayout, shapes: Shapes
 ) -> dict[str, Any]:
     """Vectors with the right angles, and checksums of drawn blocks."""
     model = guarded.model
@@ -33,7 +34,7 @@ def selftest_context(
         arrays |= relative_arrays(readings.relative)
     state = joint.precision // 8 * (2 * readings.sensors + model.values)
     return {
-        "vectors": _vectors(joint, model, fields_of(joint, layout), shapes),
+        "vectors": _vectors(joint, model, poses, fields_of(joint, layout), shapes),
         "drawn": {key: values.tolist() for key, values in arrays.items()},
         "checksums": [
             vectors.outcome(guarded, seed, BLOCK_SNAPSHOTS).checksum for seed in range(BLOCKS)
@@ -44,14 +45,22 @@ def selftest_context(
 
 
 def _vectors(
-    joint: Joint, model: FixedPointModel, fields: Sequence[Field], shapes: Shapes
-) -> list[dict[str, list[list[int]]]]:
+    joint: Joint,
+    model: FixedPointModel,
+    poses: PoseModel,
+    fields: Sequence[Field],
+    shapes: Shapes,
+) -> list[dict[str, Any]]:
     rows = _readings(joint, model, shapes)
-    parts = list(model.split(model.estimate(rows)).values())
+    values = model.estimate(rows)
+    parts = list(model.split(values).values())
+    tips = poses.entries(*pose_inputs(model, values))
     return [
         {
             "counts": [row[field.part].tolist() for field in fields],
             "angles": [part[k].tolist() for part in parts],
+            "rotation": tips[k, :9].tolist(),
+            "position": tips[k, 9:].tolist(),
         }
         for k, row in enumerate(rows)
     ]

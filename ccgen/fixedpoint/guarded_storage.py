@@ -1,6 +1,7 @@
 """Fallbacks and checks as JSON records, beside the axes of `model.json`."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,15 @@ from ccgen.fixedpoint.model import AxisModel, FixedPointModel
 from ccgen.fixedpoint.storage import load_record, model_from_record, model_record
 
 
-def guarded_json(guarded: GuardedModel) -> str:
-    """Return `model.json`: a model with what serves and watches over its sensors."""
-    return json.dumps(model_record(guarded.model) | guard_record(guarded), indent=1) + "\n"
+def guarded_json(guarded: GuardedModel, beside: Mapping[str, Any] | None = None) -> str:
+    """Return `model.json`: a model with what serves and watches over its sensors.
+
+    Args:
+        guarded: the model.
+        beside: further keys.
+    """
+    record = model_record(guarded.model) | guard_record(guarded) | dict(beside or {})
+    return json.dumps(record, indent=1) + "\n"
 
 
 def load_guarded(path: Path) -> GuardedModel:

@@ -9,6 +9,7 @@ added up by section. A second one takes the sums and the sections' elongations t
 with h0 the length of a segment. Angles beyond the format's limits count as them.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ccgen.fixedpoint.model import Integers
+from ccgen.fixedpoint.model import FixedPointModel, Integers
 from ccgen.polynomial import Compiled
 from ccgen.polynomial.intervals import power_of_two
 
@@ -127,19 +128,54 @@ class PoseModel:
             Rotation, shape (N, 3, 3), in `frame_bits`, and position, shape (N, 3), metres in
             `position_bits`.
         """
+        entries = self.entries(u, v, h, segment)
+        return entries[:, :9].reshape(-1, 3, 3).swapaxes(1, 2), entries[:, 9:]
+
+    def entries(
+        self, u: ArrayLike, v: ArrayLike, h: ArrayLike | None = None, segment: int | None = None
+    ) -> Integers:
+        """A pose as the C has it: the frame's columns X, Y, Z, then the position; shape (N, 12).
+
+        Args:
+            u, v, h, segment: as of `pose`.
+        """
+        last = self.task.segments - 1 if segment is None else segment
+        *_, (frame, sums) = self._walk(u, v, last)
+        return self._entries(frame, sums, h)
+
+    def chain(self, u: ArrayLike, v: ArrayLike, h: ArrayLike | None = None) -> Integers:
+        """`entries` of all segments; shape (N, m, 12)."""
+        walk = self._walk(u, v, self.task.segments - 1)
+        return np.stack([self._entries(frame, sums, h) for frame, sums in walk], axis=1)
+
+    def _walk(self, u: ArrayLike, v: ArrayLike, last: int) -> Iterator[tuple[Integers, Integers]]:
+        """Frames, (N, 9), and sums of chords by section, (N, 3 sections), at segments' ends."""
         first, second = (np.asarray(x, dtype=np.int64) for x in (u, v))
         frame = np.tile((np.eye(3, dtype=np.int64) << self.frame_bits).ravel(), (len(first), 1))
         sums = np.zeros((len(first), 3 * len(self.task.sections)), dtype=np.int64)
         section = np.repeat(np.arange(len(self.task.sections)), self.task.sections)
-        last = self.task.segments if segment is None else segment + 1
-        for i in range(last):
+        for i in range(last + 1):
             moved = self.turn.evaluate({"frame": frame, "u": first[:, i], "v": second[:, i]})
-            frame = moved["distal"]
+            frame, sums = moved["distal"], sums.copy()
             start = 3 * section[i]
             sums[:, start : start + 3] += moved["chord"]
+            yield frame, sums
+
+    def _entries(self, frame: Integers, sums: Integers, h: ArrayLike | None) -> Integers:
         values: dict[str, Any] = {"sums": sums}
         if self.task.elongation_bits is not None:
             elongations = np.asarray(h, dtype=np.int64)
             values["h"] = elongations[:, 0] if len(self.task.sections) == 1 else elongations
-        position = self.place.evaluate(values)["position"]
-        return frame.reshape(-1, 3, 3).swapaxes(1, 2), position
+        return np.concatenate([frame, self.place.evaluate(values)["position"]], axis=1)
+
+
+def pose_inputs(
+    model: FixedPointModel, values: Integers
+) -> tuple[Integers, Integers, Integers | None]:
+    """Angles u and v and elongations h of poses, from values of all axes, shape (N, rows).
+
+    A bending axis that the joint lacks is straight; without an axis h there are no elongations.
+    """
+    parts = model.split(values)
+    straight = np.zeros((len(values), model.segments), dtype=np.int64)
+    return parts.get("u", straight), parts.get("v", straight), parts.get("h")

@@ -4,6 +4,7 @@ import math
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
 
@@ -49,6 +50,7 @@ serves.
 """
 
 
+@lru_cache(maxsize=64)  # plans take seconds, and one joint is exported again and again
 def closest_poses(task: PoseTask) -> PoseModel:
     """Plan poses as exact as `TARGETS` say, or nearly so where no plan of 32 bits is.
 

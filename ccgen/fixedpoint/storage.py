@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ccgen import FORMAT_VERSION
-from ccgen.errors import InputError
+from ccgen.errors import CheckError, InputError
 from ccgen.fixedpoint.model import AxisModel, FixedPointModel, RelativeRange
 from ccgen.joint.specification import OUTPUT_AXES
 
@@ -69,7 +69,7 @@ def load_record(path: Path, build: Callable[[dict[str, Any]], Model]) -> Model:
         raise InputError(
             f"{path}: {error.strerror}; name a folder that `ccgen export` wrote"
         ) from error
-    except (KeyError, TypeError, ValueError, OverflowError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError, CheckError) as error:
         raise InputError(f"{path}: damaged ({error}); export the joint again") from error
 
 

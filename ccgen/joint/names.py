@@ -12,8 +12,9 @@ _OURS = ("ccgen", "can_", "port_", "pthread_")
 """Beginnings of names of the runtime, of the ports, and of POSIX threads."""
 
 ENDINGS = (
-    "angle", "angles", "binary", "can", "capture", "check", "count", "counts", "integer",
-    "kinematics", "node", "pose", "restore", "selftest", "sensor", "sensors", "source",
+    "angle", "angles", "binary", "can", "capture", "check", "count", "counts", "functions",
+    "integer", "jacobian", "kinematics", "node", "pose", "restore", "selftest", "sensor",
+    "sensors", "source",
 )  # fmt: skip
 """Last words that a name may not have: `finger_node` and `finger` would both have
 `finger_node_init`."""

@@ -20,6 +20,7 @@ COST = {"low": 1, "word": 6, "high": 17}
 _HALF = 0.5  # more or less where other cores save: a shift by 16, a product of 16 bits
 _SHORT = 2**15 - 1
 _SLACK = 1 << 12  # units that roundings may add to a sum
+_FARTHEST = 31  # bits that one shift drops
 _LIMITS = {"low": 32, "word": 16, "high": 32}  # bits of the second operand
 
 
@@ -94,6 +95,9 @@ class Builder:
 
     def shifted(self, a: int, bits: int) -> int:
         """A step less so many fraction bits, or with more where negative."""
+        while bits > _FARTHEST:  # a term that is next to nothing
+            a = self.put(Step("right", (a,), self.fraction_bits(a) - _FARTHEST, _FARTHEST))
+            bits -= _FARTHEST
         if bits == 0:
             return a
         kind = "right" if bits > 0 else "left"

@@ -40,7 +40,7 @@ def c_files(name: str, functions: Sequence[Compiled]) -> dict[str, str]:
     Raises:
         ArgumentError: a name that C cannot have, or that two functions have.
     """
-    _require_names(name, functions)
+    require_names(name, functions)
     values = {
         "name": name,
         "version": __version__,
@@ -52,7 +52,12 @@ def c_files(name: str, functions: Sequence[Compiled]) -> dict[str, str]:
     }
 
 
-def _require_names(name: str, functions: Sequence[Compiled]) -> None:
+def require_names(name: str, functions: Sequence[Compiled]) -> None:
+    """Refuse names that C cannot have, or that two functions have.
+
+    Raises:
+        ArgumentError: naming it.
+    """
     names = [name] + [function.name for function in functions]
     for function in functions:
         variables = [one for one, _ in function.plan.outputs] + list(function.plan.inputs)

@@ -9,8 +9,9 @@ from typing import Any
 from ccgen.digits import at_least
 from ccgen.errors import FormatError
 from ccgen.polynomial.cheapening import cheapened
-from ccgen.polynomial.enclosures import PIECES
+from ccgen.polynomial.enclosures import PIECES, pieces
 from ccgen.polynomial.graph import read_graph
+from ccgen.polynomial.intervals import hull
 from ccgen.polynomial.model import evaluate
 from ccgen.polynomial.plan import Plan
 from ccgen.polynomial.planner import Draft, Task
@@ -106,3 +107,19 @@ def _refusal(name: str, outputs: Mapping[str, Output], best: Compiled | None) ->
         f"{name}: no plan of 32 bits meets the error; the best is proven to {said}: ask for no "
         "less, or use narrower ranges or wider outputs"
     )
+
+
+def output_ranges(function: Any, inputs: Mapping[str, Input]) -> dict[str, tuple[float, float]]:
+    """Lowest and highest value that intervals give each output, over all of its elements.
+
+    Args:
+        function, inputs: as of `compile_function`.
+
+    Raises:
+        ArgumentError: the function is no polynomial, or an input has no range.
+    """
+    graph = read_graph(function)
+    (_, enclosures), *_ = pieces(input_variables(function, inputs), graph.nodes, 1)
+    found = graph.ranges(enclosures)
+    whole = {name: hull(found[k] for k in row) for name, row in graph.outputs.items()}
+    return {name: (float(one.ends[0]), float(one.ends[1])) for name, one in whole.items()}

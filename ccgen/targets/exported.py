@@ -14,12 +14,19 @@ from ccgen.export.package import CALIBRATION_END
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.guarded_storage import load_guarded
-from ccgen.joint import Joint
+from ccgen.fixedpoint.pose import PoseModel
+from ccgen.fixedpoint.pose_storage import load_poses
+from ccgen.functions import JointFunctions
+from ccgen.functions.storage import load_functions
+from ccgen.joint import AXES, Joint
 from ccgen.joint.file import read_joint
 from ccgen.kinematics.bounds import ErrorBounds, error_bounds, largest_angle, largest_elongation
 
 if TYPE_CHECKING:
     from ccgen.can.codec import Codec
+
+MODEL = "model.json"
+"""Holds the reference models."""
 
 
 @dataclass(frozen=True)
@@ -31,12 +38,16 @@ class Exported:
         joint: from its joint.toml.
         guarded: the integer reference model, from its model.json, with what serves and watches
             over sensors that fail.
+        poses: their integer reference model, from the same file.
+        functions: the user's own, likewise.
         changed: files that differ from what was exported.
     """
 
     directory: Path
     joint: Joint
     guarded: GuardedModel
+    poses: PoseModel
+    functions: JointFunctions
     changed: tuple[str, ...]
 
     @property
@@ -79,12 +90,14 @@ def open_exported(directory: Path) -> Exported:
     """
     files = read_manifest(directory).files
     joint = read_joint(directory / "joint.toml", lambda _: _calibration(directory, files))
-    guarded = load_guarded(directory / "model.json")
-    if not _is_model_of(joint, guarded.model):
+    guarded = load_guarded(directory / MODEL)
+    poses = load_poses(directory / MODEL)
+    functions = load_functions(directory / MODEL)
+    if not (_is_model_of(joint, guarded.model) and _are_poses_of(joint, guarded.model, poses)):
         raise InputError(
-            f"{directory}: model.json is not of the joint in joint.toml; export the joint again"
+            f"{directory}: {MODEL} is not of the joint in joint.toml; export the joint again"
         )
-    return Exported(directory, joint, guarded, changed=tuple(changed_files(directory)))
+    return Exported(directory, joint, guarded, poses, functions, tuple(changed_files(directory)))
 
 
 def _calibration(directory: Path, files: Iterable[str]) -> bytes | None:
@@ -104,4 +117,17 @@ def _is_model_of(joint: Joint, model: FixedPointModel) -> bool:
         axis.weights.shape == (states[name == "h"], len(joint.sensors[joint.own(name)]))
         and axis.part == joint.own(name)
         for name, axis in model.axes.items()
+    )
+
+
+def _are_poses_of(joint: Joint, model: FixedPointModel, poses: PoseModel) -> bool:
+    """Whether poses have the joint's segments and the formats of its angles."""
+    task = poses.task
+    bending = [model.axes[axis].fraction_bits for axis in AXES if axis in model.axes]
+    length = model.axes.get("h")
+    return (
+        task.sections == joint.geometry.sections
+        and task.precision == model.precision
+        and task.fraction_bits == (bending[0], bending[-1])
+        and task.elongation_bits == (None if length is None else length.fraction_bits)
     )

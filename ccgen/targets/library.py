@@ -65,6 +65,18 @@ class JointLibrary:
         self._call("ccgen_batch_poses", self._dense(angles), len(angles), positions, rotations)
         return positions, rotations
 
+    def integer_poses(self, angles: Integers) -> Integers:
+        """Poses in integers of all segments, (k, m, 12): axes X, Y, Z and position."""
+        poses = np.zeros((len(angles), self._poses - 1, 12), dtype=np.int32)
+        self._call("ccgen_batch_integer_poses", self._dense(angles), len(angles), poses)
+        return poses.astype(np.int64)
+
+    def functions(self, angles: Integers, words: int) -> Integers:
+        """Results of the user's own functions, (k, words)."""
+        results = np.zeros((len(angles), words), dtype=np.int32)
+        self._call("ccgen_batch_functions", self._dense(angles), len(angles), results)
+        return results.astype(np.int64)
+
     def jacobians(self, angles: Integers) -> Singles:
         """Tip Jacobians (k, 6, values)."""
         jacobians = np.zeros((len(angles), 6, self._columns), dtype=np.float32)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen import kinematics
+from ccgen.fixedpoint.pose import pose_inputs
 from ccgen.sensing.counts import corner_counts, random_counts
 from ccgen.targets.exported import Exported
 from ccgen.targets.inputs import shape_counts, without_readings
@@ -47,7 +48,11 @@ def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, repor
         compared += size * exported.model.values
         report(TITLE, first + size, total)
     seconds = time.monotonic() - started
-    errors = _kinematic_errors(exported, library)
+    shapes = _pose_angles(exported)
+    errors = _kinematic_errors(exported, library, shapes)
+    right = exported.poses.chain(*pose_inputs(exported.model, shapes))
+    other = (library.integer_poses(shapes) != right).any(axis=-1)
+    words = _function_words(exported, library, shapes)
     return Run(
         target="host",
         transport="batch",
@@ -57,6 +62,10 @@ def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, repor
         lost_frames=0,
         rate_hz=total / seconds,
         degraded_snapshots=degraded,
+        compared_poses=other.size,
+        pose_mismatches=int(np.count_nonzero(other)),
+        compared_functions=words.size,
+        function_mismatches=int(np.count_nonzero(words)),
         pose_max_error_m=errors[0].error,
         pose_bound_m=errors[0].bound,
         note="; ".join(
@@ -99,9 +108,8 @@ def _compared(exported: Exported, library: JointLibrary, seed: int, size: int) -
     return _Block(wrong, int(np.count_nonzero(states)))
 
 
-def _kinematic_errors(exported: Exported, library: JointLibrary) -> list[_Excess]:
+def _kinematic_errors(exported: Exported, library: JointLibrary, angles: Integers) -> list[_Excess]:
     """Largest errors against double precision: positions first, then rotations and Jacobians."""
-    angles = _pose_angles(exported)
     poses = kinematics.chain(*states_of(exported, angles))
     poses = np.concatenate([poses, poses[:, -1:]], axis=1)
     positions, rotations = library.poses(angles)
@@ -113,6 +121,16 @@ def _kinematic_errors(exported: Exported, library: JointLibrary) -> list[_Excess
         _Excess("linear Jacobian", _largest(error[:, :3], (1,)), bounds.linear),
         _Excess("angular Jacobian", _largest(error[:, 3:], (1,)), bounds.angular),
     ]
+
+
+def _function_words(
+    exported: Exported, library: JointLibrary, angles: Integers
+) -> NDArray[np.bool_]:
+    """Which results of the user's own functions differ; shape (k, words)."""
+    if not exported.functions:
+        return np.zeros((0, 0), dtype=np.bool_)
+    found = library.functions(angles, exported.functions.words)
+    return np.asarray(found != exported.functions.evaluate(exported.model, angles))
 
 
 def _pose_angles(exported: Exported) -> Integers:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ccgen import kinematics
 from ccgen.can.exchange import Exchange
 from ccgen.fixedpoint.guarded import LOST
+from ccgen.fixedpoint.pose import pose_inputs
 from ccgen.sensing.simulation import segment_lengths
 from ccgen.targets.exported import Exported
 from ccgen.verify.run import Run
@@ -26,7 +27,9 @@ _NO_TIP = -(2**15)
 def compare_exchange(
     exported: Exported, target: str, transport: str, counts: Integers, answers: Exchange
 ) -> Run:
-    """Compare every angle bit for bit and every tip position within its bound, where published.
+    """Compare every angle and every tip bit for bit, where published.
+
+    Beside it, how far tips lie from double precision: a bound that single precision would keep.
 
     Args:
         exported: the folder, with its reference model.
@@ -46,8 +49,16 @@ def compare_exchange(
     step = 2.0**-layout.tip_fraction_bits
     tips = tip_positions(exported, right[whole]) if layout.publishes("tip") else np.zeros((0, 3))
     distance = np.linalg.norm(answers.tips[whole][: len(tips)] * step - tips, axis=-1)
+    compared_tips = wrong_tips = 0
     if layout.publishes("tip"):
-        wrong += int(np.count_nonzero(answers.tips[complete & lost] != _NO_TIP))
+        compared_tips = int(np.count_nonzero(complete))
+        wrong_tips = int(
+            np.count_nonzero(
+                (answers.tips[whole] != tip_signals(exported, right[whole])).any(axis=1)
+            )
+        )
+        gone = answers.tips[complete & lost] != _NO_TIP
+        wrong_tips += int(np.count_nonzero(gone.any(axis=1)))
     return Run(
         target=target,
         transport=transport,
@@ -60,6 +71,8 @@ def compare_exchange(
         pose_bound_m=exported.pose_bounds.position + 0.5 * math.sqrt(3.0) * step,
         note=_note(exported, answers),
         degraded_snapshots=int(np.count_nonzero(followed.states.any(axis=1))),
+        compared_poses=compared_tips,
+        pose_mismatches=wrong_tips,
     )
 
 
@@ -81,6 +94,22 @@ def states_of(exported: Exported, values: Integers) -> tuple[Floats, Floats, Flo
     rest = np.zeros((len(values), len(geometry.sections)))
     lengths = segment_lengths(exported.joint, parts.get("h", rest))
     return parts.get("u", straight), parts.get("v", straight), lengths
+
+
+def tip_signals(exported: Exported, values: Integers) -> Integers:
+    """Coordinates of TIP frames as the integer model has them; values of all axes to (k, 3)."""
+    shift = exported.poses.position_bits - exported.layout.tip_fraction_bits
+    doubled = integer_tips(exported, values)[:, 9:] >> (shift - 1)
+    return np.asarray(np.clip((doubled + 1) >> 1, -_TIP_LIMIT, _TIP_LIMIT))
+
+
+def integer_tips(exported: Exported, values: Integers) -> Integers:
+    """Tip poses of the integer model, as the C has them; values of all axes to (k, 12)."""
+    found = [np.zeros((0, 12), dtype=np.int64)]
+    for first in range(0, len(values), _BLOCK):
+        inputs = pose_inputs(exported.model, values[first : first + _BLOCK])
+        found.append(exported.poses.entries(*inputs))
+    return np.concatenate(found)
 
 
 def tip_positions(exported: Exported, values: Integers) -> Floats:

@@ -1,8 +1,9 @@
 """The batch firmware: many snapshots estimated on the target, compared by checksums.
 
 A block of snapshots crosses the UART as one checksum. If it is not the reference model's, every
-angle of the block counts as a mismatch. Besides, tip poses of drawn angles: the positions cross as
-the bits of their floats, and a checksum covers the bits of the whole poses.
+angle of the block counts as a mismatch. Besides, tip poses of drawn angles: those in floating point
+cross as the bits of their positions, and a checksum covers the bits of the whole poses; those in
+integers cross as a checksum, and if it is not the reference model's, all of them count as wrong.
 """
 
 import math
@@ -22,7 +23,7 @@ from ccgen.targets.cores import core_named, require_tools
 from ccgen.targets.emulator import run_to_end
 from ccgen.targets.exported import Exported
 from ccgen.targets.firmware import compile_firmware
-from ccgen.verify.compare import pose_positions
+from ccgen.verify.compare import integer_tips, pose_positions
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 
@@ -41,18 +42,23 @@ class Printed:
     """What the firmware printed.
 
     Attributes:
-        vectors: angles compared by the built-in self-test and mismatches, if it ran.
+        vectors: angles compared by the built-in self-test and mismatches, then poses and
+            mismatches, if it ran.
         checksums: of the blocks, by seed.
         tips: position of each tip, metres.
-        poses: checksum of the bits of all poses.
+        poses: checksum of the bits of all poses in floating point.
+        integers: checksum of all poses in integers.
+        functions: checksum of all that the user's own functions give.
         ended: whether the last line came.
         seconds: that the firmware ran.
     """
 
-    vectors: tuple[int, int] = (0, 0)
+    vectors: tuple[int, int, int, int] = (0, 0, 0, 0)
     checksums: dict[int, int] = field(default_factory=dict)
     tips: list[tuple[float, ...]] = field(default_factory=list)
     poses: int | None = None
+    integers: int | None = None
+    functions: int | None = None
     ended: bool = False
     seconds: float = 0.0
 
@@ -62,8 +68,8 @@ class Printed:
         try:
             words = [int(word, 16) for word in digits]
             if kind == "vectors":
-                compared, mismatches = words
-                self.vectors = (compared, mismatches)
+                angles, wrong, poses, wrong_poses = words
+                self.vectors = (angles, wrong, poses, wrong_poses)
             elif kind == "angles":
                 seed, self.checksums[seed] = words[0], words[1]
             elif kind == "tip":
@@ -71,6 +77,10 @@ class Printed:
                 self.tips.append((x, y, z))
             elif kind == "poses":
                 (self.poses,) = words
+            elif kind == "integers":
+                (self.integers,) = words
+            elif kind == "functions":
+                (self.functions,) = words
             elif kind == "end":
                 self.ended = True
             else:
@@ -131,10 +141,14 @@ def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed)
     angles = BLOCK * exported.model.values
     right = {seed: vectors.outcome(exported.guarded, seed, BLOCK) for seed in _seeds(plan, blocks)}
     wrong = sum(printed.checksums.get(seed) != one.checksum for seed, one in right.items())
-    compared, mismatches = printed.vectors
+    compared, mismatches, poses, pose_mismatches = printed.vectors
+    shapes = pose_angles(exported, plan.seed)
+    compared_words = POSES * exported.functions.words
+    right_words = exported.functions.evaluate(exported.model, shapes)
+    words_differ = compared_words and printed.functions != vectors.checksum(right_words)
+    poses_differ = printed.integers != vectors.checksum(integer_tips(exported, shapes))
     distance = np.linalg.norm(
-        np.array(printed.tips, dtype=np.float64).reshape(-1, 3)
-        - pose_positions(exported, pose_angles(exported, plan.seed)),
+        np.array(printed.tips, dtype=np.float64).reshape(-1, 3) - pose_positions(exported, shapes),
         axis=-1,
     )
     return Run(
@@ -146,6 +160,10 @@ def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed)
         lost_frames=0,
         rate_hz=blocks * BLOCK / printed.seconds,
         degraded_snapshots=sum(one.degraded for one in right.values()),
+        compared_poses=poses + POSES,
+        pose_mismatches=pose_mismatches + POSES * poses_differ,
+        compared_functions=compared_words,
+        function_mismatches=compared_words if words_differ else 0,
         pose_max_error_m=float(distance.max()),
         pose_bound_m=exported.pose_bounds.position,
     )

@@ -21,6 +21,10 @@ class Run:
         pose_bound_m: what that distance must stay below.
         note: what else failed, empty if nothing did.
         degraded_snapshots: those of the snapshots in which some axis is degraded or lost.
+        compared_poses: poses in integers, and TIP frames, compared with their reference model.
+        pose_mismatches: those that differ, by a single bit or more.
+        compared_functions: results of the user's own functions, compared likewise.
+        function_mismatches: those that differ.
     """
 
     target: str
@@ -34,6 +38,10 @@ class Run:
     pose_bound_m: float
     note: str = ""
     degraded_snapshots: int = 0
+    compared_poses: int = 0
+    pose_mismatches: int = 0
+    compared_functions: int = 0
+    function_mismatches: int = 0
 
     @property
     def passed(self) -> bool:
@@ -41,6 +49,7 @@ class Run:
         return (
             self.compared_values > 0
             and self.mismatches == 0
+            and self.pose_mismatches == self.function_mismatches == 0
             and self.lost_frames == 0
             and self.pose_max_error_m <= self.pose_bound_m
             and not self.note

@@ -4,10 +4,12 @@
  *
  * Nothing comes in; lines of text go out over the UART, numbers in hexadecimal:
  *
- *     vectors COMPARED MISMATCHES   the built-in self-test, where its vectors fit
+ *     vectors COMPARED MISMATCHES POSES MISMATCHES   the built-in self-test, where it fits
  *     angles SEED SUM               a block of BATCH_SNAPSHOTS snapshots, drawn from SEED on
  *     tip X Y Z                     tip position of drawn angles, bits of the floats
  *     poses SUM                     checksum over the bits of all those tip poses
+ *     integers SUM                  checksum over the tip poses in integers of the same angles
+ *     functions SUM                 likewise over what the user's own functions give, if any
  *     end
  *
  * Drawing and checksum are those of selftest/.
@@ -58,12 +60,13 @@ static void print_hex(const uint32_t word) {
 
 #if BATCH_VECTORS
 static void check_vectors(void) {
-    uint32_t compared = 0;
-    uint32_t mismatches = 0;
-    port_selftest(&compared, &mismatches);
+    port_selftest_t result;
+    (void)port_selftest(&result);
     print("vectors");
-    print_hex(compared);
-    print_hex(mismatches);
+    print_hex(result.compared);
+    print_hex(result.mismatches);
+    print_hex(result.poses);
+    print_hex(result.pose_mismatches);
     print("\n");
 }
 #endif
@@ -97,10 +100,14 @@ static void draw_angles(uint32_t *const state, port_angles_t *const angles) {
     port_unpack_angles(list, angles);
 }
 
+static uint32_t add_word(const uint32_t sum, const uint32_t word) {
+    return sum * UINT32_C(16777619) + word;
+}
+
 static uint32_t add(const uint32_t sum, const float number) {
     word_t word;
     word.number = number;
-    return sum * UINT32_C(16777619) + word.bits;
+    return add_word(sum, word.bits);
 }
 
 static uint32_t add_pose(uint32_t sum, const port_pose_t *const pose) {
@@ -143,15 +150,67 @@ static bool check_poses(void) {
     return true;
 }
 
+/** \return whether every pose could be computed */
+static bool check_integer_poses(void) {
+    uint32_t state = BATCH_SEED;
+    uint32_t sum = 0;
+    for (uint32_t k = 0; k < BATCH_POSES; ++k) {
+        port_angles_t angles;
+        port_integer_pose_t pose;
+        draw_angles(&state, &angles);
+        if (port_integer_tip_pose(&angles, &pose) != CCGEN_OK) {
+            return false;
+        }
+        for (uint8_t i = 0; i < 9u; ++i) {
+            sum = add_word(sum, (uint32_t)pose.rotation[i]);
+        }
+        for (uint8_t i = 0; i < 3u; ++i) {
+            sum = add_word(sum, (uint32_t)pose.position[i]);
+        }
+    }
+    print("integers");
+    print_hex(sum);
+    print("\n");
+    return true;
+}
+
+#if PORT_FUNCTION_WORDS > 0
+/** \return whether every function could be computed */
+static bool check_functions(void) {
+    uint32_t state = BATCH_SEED;
+    uint32_t sum = 0;
+    for (uint32_t k = 0; k < BATCH_POSES; ++k) {
+        port_angles_t angles;
+        int32_t words[PORT_FUNCTION_WORDS];
+        draw_angles(&state, &angles);
+        if (port_functions(&angles, words) != CCGEN_OK) {
+            return false;
+        }
+        for (uint16_t i = 0; i < PORT_FUNCTION_WORDS; ++i) {
+            sum = add_word(sum, (uint32_t)words[i]);
+        }
+    }
+    print("functions");
+    print_hex(sum);
+    print("\n");
+    return true;
+}
+#endif
+
 int main(void) {
     board_init();
 #if BATCH_VECTORS
     check_vectors();
 #endif
     check_angles();
-    if (!check_poses()) {
+    if (!check_poses() || !check_integer_poses()) {
         board_end(BOARD_WRONG);
     }
+#if PORT_FUNCTION_WORDS > 0
+    if (!check_functions()) {
+        board_end(BOARD_WRONG);
+    }
+#endif
     print("end\n");
     board_end(BOARD_DONE);
 }

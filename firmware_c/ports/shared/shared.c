@@ -7,7 +7,7 @@
  * port_joint_t,
  * port_counts_t, port_angles_t, port_count_t, port_angle_t, port_pose_t with port_init,
  * port_restore_zero, port_follow, port_unpack_counts, port_pack_angles, port_unpack_angles,
- * port_segment_pose, port_tip_pose and port_tip_jacobian; PORT_SEGMENTS, PORT_SENSORS, PORT_VALUES
+ * port_segment_pose, port_tip_pose, port_tip_jacobian and port_integer_segment_pose; PORT_SEGMENTS, PORT_SENSORS, PORT_VALUES
  * and PORT_PRECISION.
  *
  * All arrays are dense, row-major and the caller's. Counts of a snapshot are in the order of the
@@ -106,6 +106,24 @@ EXPORT int ccgen_batch_estimate(const port_count_t *counts, const port_count_t *
  */
 EXPORT int ccgen_batch_poses(const port_angle_t *angles, size_t n, float *positions,
                              float *rotations);
+
+/**
+ * Poses in integers of every segment's distal end for n sets of angles.
+ * \param[in] angles  [n][values]
+ * \param[out] poses  [n][segments][12] axes X, Y, Z and position
+ * \return CCGEN_OK, or the first error
+ */
+EXPORT int ccgen_batch_integer_poses(const port_angle_t *angles, size_t n, int32_t *poses);
+
+#if PORT_FUNCTION_WORDS > 0
+/**
+ * Results of the user's own functions for n sets of angles.
+ * \param[in] angles  [n][values]
+ * \param[out] words  [n][PORT_FUNCTION_WORDS] function by function
+ * \return CCGEN_OK, or the first error
+ */
+EXPORT int ccgen_batch_functions(const port_angle_t *angles, size_t n, int32_t *words);
+#endif
 
 /**
  * Tip Jacobians for n sets of angles.
@@ -264,6 +282,46 @@ int ccgen_batch_poses(const port_angle_t *const angles, const size_t n, float *c
     }
     return CCGEN_OK;
 }
+
+int ccgen_batch_integer_poses(const port_angle_t *const angles, const size_t n,
+                              int32_t *const poses) {
+    if ((angles == NULL) || (poses == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    for (size_t k = 0; k < n; ++k) {
+        port_angles_t shape;
+        port_unpack_angles(&angles[k * PORT_VALUES], &shape);
+        for (uint16_t i = 0; i < PORT_SEGMENTS; ++i) {
+            port_integer_pose_t pose;
+            const int result = port_integer_segment_pose(&shape, i, &pose);
+            if (result != CCGEN_OK) {
+                return result;
+            }
+            int32_t *const row = &poses[12u * (k * PORT_SEGMENTS + i)];
+            for (size_t j = 0; j < 12u; ++j) {
+                row[j] = (j < 9u) ? pose.rotation[j] : pose.position[j - 9u];
+            }
+        }
+    }
+    return CCGEN_OK;
+}
+
+#if PORT_FUNCTION_WORDS > 0
+int ccgen_batch_functions(const port_angle_t *const angles, const size_t n, int32_t *const words) {
+    if ((angles == NULL) || (words == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    for (size_t k = 0; k < n; ++k) {
+        port_angles_t shape;
+        port_unpack_angles(&angles[k * PORT_VALUES], &shape);
+        const int result = port_functions(&shape, &words[k * PORT_FUNCTION_WORDS]);
+        if (result != CCGEN_OK) {
+            return result;
+        }
+    }
+    return CCGEN_OK;
+}
+#endif
 
 int ccgen_batch_jacobians(const port_angle_t *const angles, const size_t n,
                           float *const jacobians) {

@@ -11,6 +11,7 @@
 #define PORT_SENSORS SAMPLE_SENSORS
 #define PORT_VALUES SAMPLE_VALUES
 #define PORT_PRECISION SAMPLE_PRECISION
+#define PORT_FUNCTION_WORDS 0
 #define PORT_CYCLE_US SAMPLE_CYCLE_US
 #define PORT_WINDOW_MAX_US SAMPLE_WINDOW_MAX_US
 
@@ -21,6 +22,12 @@ typedef sample_angle_t port_angle_t;
 typedef sample_counts_t port_counts_t;
 typedef sample_angles_t port_angles_t;
 typedef sample_pose_t port_pose_t;
+
+/** Steps of 1. */
+typedef struct {
+    int32_t rotation[9];
+    int32_t position[3];
+} port_integer_pose_t;
 
 static inline int port_node_init(port_node_t *node) {
     return sample_node_init(node);
@@ -76,6 +83,19 @@ static inline int port_segment_pose(const port_angles_t *angles, uint16_t segmen
 
 static inline int port_tip_pose(const port_angles_t *angles, port_pose_t *pose) {
     return sample_tip_pose(angles, pose);
+}
+
+static inline int port_integer_segment_pose(const port_angles_t *angles, uint16_t segment,
+                                            port_integer_pose_t *pose) {
+    port_pose_t found;
+    const int result = sample_segment_pose(angles, segment, &found);
+    for (uint8_t i = 0; (result == CCGEN_OK) && (i < 3u); ++i) {
+        for (uint8_t j = 0; j < 3u; ++j) {
+            pose->rotation[3u * j + i] = (int32_t)found.rotation[i][j];
+        }
+        pose->position[i] = (int32_t)found.position[i];
+    }
+    return result;
 }
 
 static inline int port_tip_jacobian(const port_angles_t *angles,
