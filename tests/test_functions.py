@@ -168,7 +168,8 @@ def test_elongation_and_both_precisions_take_part(tmp_path, precision):
         'name = "arm"\n[geometry]\nsegments = 4\nlength = 0.1\nrange_of_motion = 5.0\n'
         f"elongation = [0.0, 0.05]\n{sensors}\n[sensors.transducer]\nbits = {precision}\n"
         f"metres_per_count = {1e-6 if precision == 16 else 1e-9}\n"
-        f"[loads]\nelongation = [0.0, 0.05]\n[fixed_point]\nprecision = {precision}\n"
+        f"[loads]\nsamples = 20\nstiffness = 0.4\nactuation = [-15.0, 15.0]\n"
+        f"elongation = [0.0, 0.05]\n[fixed_point]\nprecision = {precision}\n"
     )
     (tmp_path / "arm.toml").write_text(text)
     export(tmp_path / "arm.toml", tmp_path / "arm", functions=tmp_path / "own.py")

@@ -21,12 +21,14 @@ from ccgen.cost.emulator import CORES, Program
 from ccgen.cost.link import link
 from ccgen.errors import CheckError, FormatError
 from ccgen.export.pose_c import pose_files
+from ccgen.fixedpoint.jacobian import JacobianModel
+from ccgen.fixedpoint.jacobian_plan import jacobian_model
 from ccgen.fixedpoint.pose import PoseModel, PoseTask
 from ccgen.fixedpoint.pose_bounds import norm, root, truncations
 from ccgen.fixedpoint.pose_plan import TARGETS, pose_model
-from ccgen.kinematics.symbolic import TurnDegrees, turn_function
-from ccgen.fixedpoint.pose_storage import pose_model as pose_model_of
+from ccgen.fixedpoint.pose_storage import jacobian_model as jacobian_of
 from ccgen.fixedpoint.pose_storage import pose_record
+from ccgen.kinematics.symbolic import TurnDegrees, turn_function
 from ccgen.polynomial.proof import prove
 from ccgen.polynomial.storage import compiled_function
 from ccgen.targets.compiler import WARNINGS
@@ -63,10 +65,60 @@ def states(task: PoseTask, count: int, whole: bool, seed: int = 1) -> list[np.nd
     return found
 
 
-def test_poses_read_back_from_json_are_the_same():
+@cache
+def jacobian(name: str) -> JacobianModel:
+    return jacobian_model(model(name))
+
+
+def exact_columns(task: PoseTask, u, v, h) -> np.ndarray:
+    """Tip Jacobians in double precision, shape (N, 6, columns)."""
+    share = h * 2.0 ** -(task.elongation_bits or 0)
+    lengths = task.segment_length * (1 + np.repeat(share, task.sections, axis=1))
+    first, second = (x * 2.0**-bits for x, bits in zip((u, v), task.fraction_bits, strict=True))
+    columns = [kin.tip_jacobian(first, second, lengths)]
+    if task.elongation_bits is not None:
+        length = task.segment_length
+        columns.append(kin.elongation_columns(first, second, length, task.sections))
+    return np.concatenate(columns, axis=2)
+
+
+@pytest.mark.parametrize("whole", [False, True])
+@pytest.mark.parametrize("name", NAMES)
+def test_jacobians_are_within_their_bounds_which_are_of_use(name, whole):
+    task, found = TASKS[name], jacobian(name)
+    drawn = states(task, 300, whole)
+    got = found.jacobian(*drawn).astype(float)
+    got[:, :3] *= 2.0**-found.linear_bits
+    got[:, 3:] *= 2.0**-found.angular_bits
+    off = got - exact_columns(task, *drawn)
+    bounds = found.wide_bounds if whole else found.bounds
+    linear, angular = (np.linalg.norm(off[:, k : k + 3], axis=1).max() for k in (0, 3))
+    assert bounds.linear / 100 < linear <= bounds.linear
+    assert bounds.angular / 100 < angular <= bounds.angular
+    if not whole:
+        assert bounds.angular < 2 * found.poses.bounds.rotation
+        assert bounds.linear < 4 * (
+            found.poses.bounds.position + found.poses.bounds.rotation * task.length
+        )
+
+
+def test_jacobians_follow_the_poses_of_the_integers():
+    """A step of an angle moves the tip as its column says."""
+    task, found = TASKS["bellows"], jacobian("bellows")
+    u, v, h = states(task, 40, whole=False)
+    column = found.jacobian(u, v, h)[:, :3, 3] * 2.0**-found.linear_bits
+    step = 512
+    moved = [u + sign * step * (np.arange(task.segments) == 3) for sign in (1, -1)]
+    ends = [found.poses.pose(one, v, h)[1] for one in moved]
+    rate = (ends[0] - ends[1]) * 2.0 ** (task.fraction_bits[0] - found.poses.position_bits)
+    np.testing.assert_allclose(rate / (2 * step), column, atol=2e-4 * task.length)
+
+
+def test_poses_and_jacobians_read_back_from_json_are_the_same():
     for name in NAMES:
-        text = json.dumps(pose_record(model(name)))
-        again = pose_model_of(json.loads(text)["poses"])
+        record = json.loads(json.dumps(pose_record(jacobian(name))))
+        whole = jacobian_of(record)
+        again = whole.poses
         assert again.task == model(name).task
         assert (again.bounds, again.wide_bounds) == (model(name).bounds, model(name).wide_bounds)
         assert again.turn.plan == model(name).turn.plan
@@ -74,6 +126,11 @@ def test_poses_read_back_from_json_are_the_same():
         drawn = states(TASKS[name], 30, whole=True)
         np.testing.assert_array_equal(again.chain(*drawn), model(name).chain(*drawn))
         np.testing.assert_array_equal(again.chain(*drawn)[:, -1], again.entries(*drawn))
+        np.testing.assert_array_equal(whole.jacobian(*drawn), jacobian(name).jacobian(*drawn))
+        assert (whole.bounds, whole.wide_bounds) == (
+            jacobian(name).bounds,
+            jacobian(name).wide_bounds,
+        )
 
 
 @pytest.mark.parametrize(
@@ -86,7 +143,7 @@ def test_poses_read_back_from_json_are_the_same():
     ],
 )
 def test_a_plan_that_no_integers_have_is_refused_when_read(change, said):
-    record = pose_record(model("shoulder"))["poses"]["turn"]
+    record = pose_record(jacobian("shoulder"))["poses"]["turn"]
     place = next(k for k, step in enumerate(record["steps"]) if step.startswith("subtract 1"))
     record["steps"][place] = change(record["steps"][place])
     with pytest.raises((ValueError, CheckError), match=said):

@@ -59,7 +59,7 @@ def test_every_angle_is_the_models_over_the_uart_and_in_batches(joints, target, 
     assert uart.compared_values == 300 * 12
     assert batch.compared_values >= 100_000
     assert uart.compared_poses == 300
-    assert batch.compared_poses >= 64
+    assert batch.compared_poses >= 128
     for run in (uart, batch):
         assert run.passed, run
         assert run.pose_mismatches == 0
@@ -109,16 +109,20 @@ def test_a_weight_that_is_off_by_one_is_a_mismatch_in_both_runs(joints, target, 
     assert not batch.passed
 
 
-@pytest.mark.parametrize("field", ["integers", "vectors"])
+@pytest.mark.parametrize("field", ["integers", "jacobians", "vectors"])
 def test_poses_in_integers_that_differ_are_told(joints, printed_by, field):
     printed = printed_by(16, "cortex-m4")
     right = compare_batch(joints[16], "cortex-m4", SMALL, printed)
-    assert (right.compared_poses, right.pose_mismatches) == (64 + printed.vectors[2], 0)
+    assert (right.compared_poses, right.pose_mismatches) == (128 + printed.vectors[2], 0)
     assert printed.vectors[2:] == (10, 0)
-    wrong = {"integers": printed.integers ^ 1, "vectors": (*printed.vectors[:3], 3)}
+    wrong = {
+        "integers": printed.integers ^ 1,
+        "jacobians": printed.jacobians ^ 1,
+        "vectors": (*printed.vectors[:3], 3),
+    }
     changed = dataclasses.replace(printed, **{field: wrong[field]})
     run = compare_batch(joints[16], "cortex-m4", SMALL, changed)
-    assert run.pose_mismatches == (64 if field == "integers" else 3)
+    assert run.pose_mismatches == (3 if field == "vectors" else 64)
     assert not run.passed
 
 

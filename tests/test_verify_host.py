@@ -127,7 +127,7 @@ def test_wrong_kinematics_fail_although_every_angle_is_right(shoulder):
 
 
 def test_a_pose_that_is_off_by_one_step_is_a_mismatch_over_every_transport(shoulder):
-    change(shoulder / "src" / "shoulder_pose.c", r"(chord\[0\] = )", r"\g<1>4096 + ")
+    change(shoulder / "src" / "shoulder_pose.c", r"(sum\[0\] \+= )", r"\g<1>4096 + ")
     result = verify(shoulder, "--json")
     assert result.exit_code == 1
     for run in runs_of(result).values():

@@ -17,6 +17,7 @@ from ccgen.export.errors_context import errors_context
 from ccgen.export.examples import check_kinds, example_files
 from ccgen.export.functions_c import functions_context, functions_files, require_free
 from ccgen.export.guard_context import guard_context
+from ccgen.export.jacobian_c import jacobian_files
 from ccgen.export.kinematics_c import kinematics_context
 from ccgen.export.manifest import FILE_NAME, foreign_files, manifest_json
 from ccgen.export.model_context import model_context
@@ -58,7 +59,7 @@ JOINT_FILES = {
 }
 """Generated files of the folder and their templates."""
 
-_JOINT_PARTS = ("", "_can", "_kinematics", "_pose")
+_JOINT_PARTS = ("", "_can", "_kinematics", "_pose", "_jacobian")
 """Behind the joint's name: its sources."""
 
 CALIBRATION_END = ".calibration.toml"
@@ -185,7 +186,9 @@ def render(
         path.format(name=joint.name): resources.template(template).render(values)
         for path, template in JOINT_FILES.items()
     }
-    for file, text in pose_files(joint.name, poses, tuple(model.axes)).items():
+    integers = pose_files(joint.name, poses, tuple(model.axes))
+    integers |= jacobian_files(joint.name, fitted.jacobian, model)
+    for file, text in integers.items():
         texts[f"src/{file}"] = text
     if functions:
         require_free(joint.name, functions, texts)
@@ -193,7 +196,7 @@ def render(
             texts[f"src/{file}"] = text
     texts[f"{joint.name}.dbc"] = dbc_text(layout, joint, model)
     texts["model.json"] = guarded_json(
-        fitted.guarded, pose_record(poses) | functions_record(functions)
+        fitted.guarded, pose_record(fitted.jacobian) | functions_record(functions)
     )
     files = runtime | {"joint.toml": joint.content, "LICENSE": resources.licence().read_bytes()}
     if joint.calibration_content:

@@ -36,6 +36,7 @@ from ccgen.shapes import Shapes, bent_alike, joined
 from ccgen.shapes.given import given_shapes, reach
 
 if TYPE_CHECKING:
+    from ccgen.fixedpoint.jacobian import JacobianModel
     from ccgen.fixedpoint.pose import PoseModel
 
 
@@ -109,6 +110,21 @@ class Fit(FittedWeights):
         task = pose_task(self.sensed, self.model, self._held)
         try:
             return closest_poses(task)
+        except FormatError as error:
+            raise FormatError(f"{self.joint.source}: geometry.range_of_motion: {error}") from None
+
+    @cached_property
+    def jacobian(self) -> "JacobianModel":
+        """The tip Jacobian in integers, of the angles that `model` has.
+
+        Raises:
+            FormatError: as of `poses`.
+        """
+        from ccgen.fixedpoint.jacobian_plan import jacobian_model
+
+        poses = self.poses
+        try:
+            return jacobian_model(poses)
         except FormatError as error:
             raise FormatError(f"{self.joint.source}: geometry.range_of_motion: {error}") from None
 

@@ -140,18 +140,18 @@ class PoseModel:
             u, v, h, segment: as of `pose`.
         """
         last = self.task.segments - 1 if segment is None else segment
-        *_, (frame, sums) = self._walk(u, v, last)
+        *_, (frame, sums) = self.walk(u, v, last)
         return self._entries(frame, sums, h)
 
     def chain(self, u: ArrayLike, v: ArrayLike, h: ArrayLike | None = None) -> Integers:
         """`entries` of all segments; shape (N, m, 12)."""
-        walk = self._walk(u, v, self.task.segments - 1)
+        walk = self.walk(u, v, self.task.segments - 1)
         return np.stack([self._entries(frame, sums, h) for frame, sums in walk], axis=1)
 
-    def _walk(self, u: ArrayLike, v: ArrayLike, last: int) -> Iterator[tuple[Integers, Integers]]:
+    def walk(self, u: ArrayLike, v: ArrayLike, last: int) -> Iterator[tuple[Integers, Integers]]:
         """Frames, (N, 9), and sums of chords by section, (N, 3 sections), at segments' ends."""
         first, second = (np.asarray(x, dtype=np.int64) for x in (u, v))
-        frame = np.tile((np.eye(3, dtype=np.int64) << self.frame_bits).ravel(), (len(first), 1))
+        frame = self.straight(len(first))
         sums = np.zeros((len(first), 3 * len(self.task.sections)), dtype=np.int64)
         section = np.repeat(np.arange(len(self.task.sections)), self.task.sections)
         for i in range(last + 1):
@@ -162,11 +162,19 @@ class PoseModel:
             yield frame, sums
 
     def _entries(self, frame: Integers, sums: Integers, h: ArrayLike | None) -> Integers:
+        return np.concatenate([frame, self.place_of(sums, h)], axis=1)
+
+    def straight(self, count: int) -> Integers:
+        """Frames at the base, shape (count, 9)."""
+        return np.tile((np.eye(3, dtype=np.int64) << self.frame_bits).ravel(), (count, 1))
+
+    def place_of(self, sums: Integers, h: ArrayLike | None) -> Integers:
+        """Positions, shape (N, 3), of sums of chords by section, (N, 3 sections)."""
         values: dict[str, Any] = {"sums": sums}
         if self.task.elongation_bits is not None:
             elongations = np.asarray(h, dtype=np.int64)
             values["h"] = elongations[:, 0] if len(self.task.sections) == 1 else elongations
-        return np.concatenate([frame, self.place.evaluate(values)["position"]], axis=1)
+        return np.asarray(self.place.evaluate(values)["position"])
 
 
 def pose_inputs(

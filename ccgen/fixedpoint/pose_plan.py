@@ -194,7 +194,7 @@ def _roundings(turn: Compiled, angle: Fraction | None) -> Roundings:
     """What a segment rounds away for angles up to one in magnitude, or for all."""
     proof = turn.proof
     if angle is not None:
-        inputs = tuple(_narrowed(one, angle) for one in turn.plan.inputs)
+        inputs = tuple(narrowed(one, angle) for one in turn.plan.inputs)
         proof = prove(replace(turn.plan, inputs=inputs))
     bounds = proof.bounds()
     names = [one.name for one, _ in turn.plan.outputs]
@@ -205,7 +205,7 @@ def _roundings(turn: Compiled, angle: Fraction | None) -> Roundings:
     return Roundings(norm(parts["distal"]), norm(parts["chord"]))
 
 
-def _narrowed(variable: Variable, angle: Fraction) -> Variable:
+def narrowed(variable: Variable, angle: Fraction) -> Variable:
     """An angle's input with no more than so many radians; a frame's entry as it is."""
     if variable.name == "frame":
         return variable

@@ -94,7 +94,7 @@ FOLDER = _words(
     manifest mcp2515 model node node_inline options package platformio port ports posix prj
     product ram readme record residuals ring riscv32 riscv_virt sdkconfig selftest semihosting
     sending sending_inline sensors16 sensors32 serving16 serving32 shared simavr_uart slcan snapshot
-    snapshot_inline socketcan startup test tip two_joints u v vector version virt watch word
+    snapshot_inline socketcan startup tendons test tip two_joints u v vector version virt watch word
     zephyr zero
     """
 )

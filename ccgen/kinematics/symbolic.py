@@ -230,3 +230,73 @@ def place_function(segment_length: float, sections: int, elongates: bool) -> Any
         total = total + column
     inputs, names = ([sums, h], ["sums", "h"]) if elongates else ([sums], ["sums"])
     return casadi.Function("place", inputs, [segment_length * total], names, ["position"])
+
+
+def columns_of_turn(degrees: Degrees) -> Any:
+    """`casadi.Function` (frame, u, v) -> (turn_u, turn_v, chord_u, chord_v), made for integers.
+
+    How one segment moves what follows it: angular velocities for a unit rate of u and of v, and
+    the velocities of its chord of unit arc length; with c, d, b and n of the module
+
+        g = c n + b Z       k = (2 d - c) n + (c - b) Z
+        turn_u = X - v g    turn_v = Y + u g    chord_u = u k - b Y    chord_v = v k + b X
+    """
+    import casadi
+
+    frame = casadi.SX.sym("frame", 3, 3)
+    u, v = casadi.SX.sym("u"), casadi.SX.sym("v")
+    x, y, z = casadi.horzsplit(frame)
+    square = u * u + v * v
+    c, d = _quotients(3, degrees.c, square), _quotients(4, degrees.d, square)
+    less_b = square * d
+    n = v * x - u * y
+    g = z / 2 + (c * n - less_b * z)
+    k = (2 * d - c) * n + (c + less_b - 0.5) * z
+    chord_u = u * k - (y / 2 - less_b * y)
+    chord_v = v * k + (x / 2 - less_b * x)
+    return casadi.Function(
+        "columns",
+        [frame, u, v],
+        [x - v * g, y + u * g, chord_u, chord_v],
+        ["frame", "u", "v"],
+        ["turn_u", "turn_v", "chord_u", "chord_v"],
+    )
+
+
+def column_function(segment_length: float, elongates: bool) -> Any:
+    """`casadi.Function` (turn, chord, lever[, h]) -> linear: the tip's velocity in metres.
+
+    Args:
+        segment_length: without elongation, metres.
+        elongates: whether there is an `h`, the elongation of the segment's section.
+    """
+    import casadi
+
+    turn, chord, lever = (casadi.SX.sym(name, 3) for name in ("turn", "chord", "lever"))
+    h = casadi.SX.sym("h")
+    moved = chord + chord * h if elongates else chord
+    linear = segment_length * moved + casadi.cross(turn, lever)
+    inputs, names = [turn, chord, lever], ["turn", "chord", "lever"]
+    if elongates:
+        inputs, names = [*inputs, h], [*names, "h"]
+    return casadi.Function("column", inputs, [linear], names, ["linear"])
+
+
+def stretch_function(segment_length: float) -> Any:
+    """`casadi.Function` sum -> linear: the tip's velocity for a unit rate of an elongation.
+
+    Args:
+        segment_length: without elongation, metres.
+    """
+    import casadi
+
+    total = casadi.SX.sym("sum", 3)
+    return casadi.Function("stretch", [total], [segment_length * total], ["sum"], ["linear"])
+
+
+def _quotients(first: int, degree: int, square: Any) -> Any:
+    """`_polynomial` by Horner's rule with divisions by whole numbers alone."""
+    total: Any = 1
+    for k in reversed(range(1, degree + 1)):
+        total = 1 - square * total / ((2 * k + first) * (2 * k + first - 1))
+    return total / math.factorial(first)

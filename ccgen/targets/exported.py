@@ -14,8 +14,9 @@ from ccgen.export.package import CALIBRATION_END
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.guarded_storage import load_guarded
+from ccgen.fixedpoint.jacobian import JacobianModel
 from ccgen.fixedpoint.pose import PoseModel
-from ccgen.fixedpoint.pose_storage import load_poses
+from ccgen.fixedpoint.pose_storage import load_jacobian
 from ccgen.functions import JointFunctions
 from ccgen.functions.storage import load_functions
 from ccgen.joint import AXES, Joint
@@ -38,7 +39,7 @@ class Exported:
         joint: from its joint.toml.
         guarded: the integer reference model, from its model.json, with what serves and watches
             over sensors that fail.
-        poses: their integer reference model, from the same file.
+        jacobian: the integer reference model of the tip's Jacobian, from the same file.
         functions: the user's own, likewise.
         changed: files that differ from what was exported.
     """
@@ -46,7 +47,7 @@ class Exported:
     directory: Path
     joint: Joint
     guarded: GuardedModel
-    poses: PoseModel
+    jacobian: JacobianModel
     functions: JointFunctions
     changed: tuple[str, ...]
 
@@ -54,6 +55,11 @@ class Exported:
     def model(self) -> FixedPointModel:
         """The axes of the integer reference model."""
         return self.guarded.model
+
+    @property
+    def poses(self) -> PoseModel:
+        """The integer reference model of poses."""
+        return self.jacobian.poses
 
     @cached_property
     def layout(self) -> FrameLayout:
@@ -91,13 +97,14 @@ def open_exported(directory: Path) -> Exported:
     files = read_manifest(directory).files
     joint = read_joint(directory / "joint.toml", lambda _: _calibration(directory, files))
     guarded = load_guarded(directory / MODEL)
-    poses = load_poses(directory / MODEL)
+    jacobian = load_jacobian(directory / MODEL)
     functions = load_functions(directory / MODEL)
+    poses = jacobian.poses
     if not (_is_model_of(joint, guarded.model) and _are_poses_of(joint, guarded.model, poses)):
         raise InputError(
             f"{directory}: {MODEL} is not of the joint in joint.toml; export the joint again"
         )
-    return Exported(directory, joint, guarded, poses, functions, tuple(changed_files(directory)))
+    return Exported(directory, joint, guarded, jacobian, functions, tuple(changed_files(directory)))
 
 
 def _calibration(directory: Path, files: Iterable[str]) -> bytes | None:

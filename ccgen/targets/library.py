@@ -71,6 +71,12 @@ class JointLibrary:
         self._call("ccgen_batch_integer_poses", self._dense(angles), len(angles), poses)
         return poses.astype(np.int64)
 
+    def integer_jacobians(self, angles: Integers) -> Integers:
+        """Tip Jacobians in integers, (k, 6, values)."""
+        jacobians = np.zeros((len(angles), 6, self._columns), dtype=np.int32)
+        self._call("ccgen_batch_integer_jacobians", self._dense(angles), len(angles), jacobians)
+        return jacobians.astype(np.int64)
+
     def functions(self, angles: Integers, words: int) -> Integers:
         """Results of the user's own functions, (k, words)."""
         results = np.zeros((len(angles), words), dtype=np.int32)

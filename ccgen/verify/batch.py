@@ -12,7 +12,7 @@ from ccgen.sensing.counts import corner_counts, random_counts
 from ccgen.targets.exported import Exported
 from ccgen.targets.inputs import shape_counts, without_readings
 from ccgen.targets.library import JointLibrary
-from ccgen.verify.compare import states_of, tip_jacobians
+from ccgen.verify.compare import integer_jacobians, states_of, tip_jacobians
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 
@@ -52,6 +52,8 @@ def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, repor
     errors = _kinematic_errors(exported, library, shapes)
     right = exported.poses.chain(*pose_inputs(exported.model, shapes))
     other = (library.integer_poses(shapes) != right).any(axis=-1)
+    moved = library.integer_jacobians(shapes) != integer_jacobians(exported, shapes)
+    others = [other.ravel(), moved.any(axis=(1, 2))]
     words = _function_words(exported, library, shapes)
     return Run(
         target="host",
@@ -62,8 +64,8 @@ def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, repor
         lost_frames=0,
         rate_hz=total / seconds,
         degraded_snapshots=degraded,
-        compared_poses=other.size,
-        pose_mismatches=int(np.count_nonzero(other)),
+        compared_poses=sum(one.size for one in others),
+        pose_mismatches=sum(int(np.count_nonzero(one)) for one in others),
         compared_functions=words.size,
         function_mismatches=int(np.count_nonzero(words)),
         pose_max_error_m=errors[0].error,

@@ -112,6 +112,16 @@ def integer_tips(exported: Exported, values: Integers) -> Integers:
     return np.concatenate(found)
 
 
+def integer_jacobians(exported: Exported, values: Integers) -> Integers:
+    """Tip Jacobians of the integer model, as the C has them; values of all axes to (k, 6, rows)."""
+    model = exported.model
+    u, v, h = pose_inputs(model, values)
+    found = exported.jacobian.jacobian(u, v, h)
+    m = model.segments
+    columns = {"u": found[..., :m], "v": found[..., m : 2 * m], "h": found[..., 2 * m :]}
+    return np.concatenate([columns[axis] for axis in model.axes], axis=-1)
+
+
 def tip_positions(exported: Exported, values: Integers) -> Floats:
     """Tip positions, metres, held by the TIP frame's format; values of all axes to (k, 3)."""
     most = _TIP_LIMIT * 2.0**-exported.layout.tip_fraction_bits

@@ -3,7 +3,8 @@
 A block of snapshots crosses the UART as one checksum. If it is not the reference model's, every
 angle of the block counts as a mismatch. Besides, tip poses of drawn angles: those in floating point
 cross as the bits of their positions, and a checksum covers the bits of the whole poses; those in
-integers cross as a checksum, and if it is not the reference model's, all of them count as wrong.
+integers, and their tip Jacobians, cross as checksums, and if one is not the reference model's, all
+that it covers count as wrong.
 """
 
 import math
@@ -23,7 +24,7 @@ from ccgen.targets.cores import core_named, require_tools
 from ccgen.targets.emulator import run_to_end
 from ccgen.targets.exported import Exported
 from ccgen.targets.firmware import compile_firmware
-from ccgen.verify.compare import integer_tips, pose_positions
+from ccgen.verify.compare import integer_jacobians, integer_tips, pose_positions
 from ccgen.verify.plan import Plan, Progress
 from ccgen.verify.run import Run
 
@@ -48,6 +49,7 @@ class Printed:
         tips: position of each tip, metres.
         poses: checksum of the bits of all poses in floating point.
         integers: checksum of all poses in integers.
+        jacobians: checksum of all tip Jacobians in integers.
         functions: checksum of all that the user's own functions give.
         ended: whether the last line came.
         seconds: that the firmware ran.
@@ -58,6 +60,7 @@ class Printed:
     tips: list[tuple[float, ...]] = field(default_factory=list)
     poses: int | None = None
     integers: int | None = None
+    jacobians: int | None = None
     functions: int | None = None
     ended: bool = False
     seconds: float = 0.0
@@ -79,6 +82,8 @@ class Printed:
                 (self.poses,) = words
             elif kind == "integers":
                 (self.integers,) = words
+            elif kind == "jacobians":
+                (self.jacobians,) = words
             elif kind == "functions":
                 (self.functions,) = words
             elif kind == "end":
@@ -146,7 +151,10 @@ def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed)
     compared_words = POSES * exported.functions.words
     right_words = exported.functions.evaluate(exported.model, shapes)
     words_differ = compared_words and printed.functions != vectors.checksum(right_words)
-    poses_differ = printed.integers != vectors.checksum(integer_tips(exported, shapes))
+    differ = [
+        printed.integers != vectors.checksum(integer_tips(exported, shapes)),
+        printed.jacobians != vectors.checksum(integer_jacobians(exported, shapes)),
+    ]
     distance = np.linalg.norm(
         np.array(printed.tips, dtype=np.float64).reshape(-1, 3) - pose_positions(exported, shapes),
         axis=-1,
@@ -160,8 +168,8 @@ def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed)
         lost_frames=0,
         rate_hz=blocks * BLOCK / printed.seconds,
         degraded_snapshots=sum(one.degraded for one in right.values()),
-        compared_poses=poses + POSES,
-        pose_mismatches=pose_mismatches + POSES * poses_differ,
+        compared_poses=poses + len(differ) * POSES,
+        pose_mismatches=pose_mismatches + POSES * sum(differ),
         compared_functions=compared_words,
         function_mismatches=compared_words if words_differ else 0,
         pose_max_error_m=float(distance.max()),

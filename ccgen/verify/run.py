@@ -21,7 +21,7 @@ class Run:
         pose_bound_m: what that distance must stay below.
         note: what else failed, empty if nothing did.
         degraded_snapshots: those of the snapshots in which some axis is degraded or lost.
-        compared_poses: poses in integers, and TIP frames, compared with their reference model.
+        compared_poses: poses, tip Jacobians and TIP frames in integers, compared likewise.
         pose_mismatches: those that differ, by a single bit or more.
         compared_functions: results of the user's own functions, compared likewise.
         function_mismatches: those that differ.

@@ -9,6 +9,7 @@
  *     tip X Y Z                     tip position of drawn angles, bits of the floats
  *     poses SUM                     checksum over the bits of all those tip poses
  *     integers SUM                  checksum over the tip poses in integers of the same angles
+ *     jacobians SUM                 likewise over the tip Jacobians in integers
  *     functions SUM                 likewise over what the user's own functions give, if any
  *     end
  *
@@ -174,6 +175,29 @@ static bool check_integer_poses(void) {
     return true;
 }
 
+/** \return whether every Jacobian could be computed */
+static bool check_integer_jacobians(void) {
+    uint32_t state = BATCH_SEED;
+    uint32_t sum = 0;
+    for (uint32_t k = 0; k < BATCH_POSES; ++k) {
+        port_angles_t angles;
+        int32_t jacobian[6][PORT_VALUES];
+        draw_angles(&state, &angles);
+        if (port_integer_tip_jacobian(&angles, jacobian) != CCGEN_OK) {
+            return false;
+        }
+        for (uint8_t row = 0; row < 6u; ++row) {
+            for (uint16_t i = 0; i < PORT_VALUES; ++i) {
+                sum = add_word(sum, (uint32_t)jacobian[row][i]);
+            }
+        }
+    }
+    print("jacobians");
+    print_hex(sum);
+    print("\n");
+    return true;
+}
+
 #if PORT_FUNCTION_WORDS > 0
 /** \return whether every function could be computed */
 static bool check_functions(void) {
@@ -203,7 +227,7 @@ int main(void) {
     check_vectors();
 #endif
     check_angles();
-    if (!check_poses() || !check_integer_poses()) {
+    if (!check_poses() || !check_integer_poses() || !check_integer_jacobians()) {
         board_end(BOARD_WRONG);
     }
 #if PORT_FUNCTION_WORDS > 0

@@ -7,7 +7,8 @@
  * port_joint_t,
  * port_counts_t, port_angles_t, port_count_t, port_angle_t, port_pose_t with port_init,
  * port_restore_zero, port_follow, port_unpack_counts, port_pack_angles, port_unpack_angles,
- * port_segment_pose, port_tip_pose, port_tip_jacobian and port_integer_segment_pose; PORT_SEGMENTS, PORT_SENSORS, PORT_VALUES
+ * port_segment_pose, port_tip_pose, port_tip_jacobian, port_integer_segment_pose and
+ * port_integer_tip_jacobian; PORT_SEGMENTS, PORT_SENSORS, PORT_VALUES
  * and PORT_PRECISION.
  *
  * All arrays are dense, row-major and the caller's. Counts of a snapshot are in the order of the
@@ -114,6 +115,14 @@ EXPORT int ccgen_batch_poses(const port_angle_t *angles, size_t n, float *positi
  * \return CCGEN_OK, or the first error
  */
 EXPORT int ccgen_batch_integer_poses(const port_angle_t *angles, size_t n, int32_t *poses);
+
+/**
+ * Tip Jacobians in integers for n sets of angles.
+ * \param[in] angles      [n][values]
+ * \param[out] jacobians  [n][6][values]
+ * \return CCGEN_OK, or the first error
+ */
+EXPORT int ccgen_batch_integer_jacobians(const port_angle_t *angles, size_t n, int32_t *jacobians);
 
 #if PORT_FUNCTION_WORDS > 0
 /**
@@ -300,6 +309,29 @@ int ccgen_batch_integer_poses(const port_angle_t *const angles, const size_t n,
             int32_t *const row = &poses[12u * (k * PORT_SEGMENTS + i)];
             for (size_t j = 0; j < 12u; ++j) {
                 row[j] = (j < 9u) ? pose.rotation[j] : pose.position[j - 9u];
+            }
+        }
+    }
+    return CCGEN_OK;
+}
+
+int ccgen_batch_integer_jacobians(const port_angle_t *const angles, const size_t n,
+                                  int32_t *const jacobians) {
+    if ((angles == NULL) || (jacobians == NULL)) {
+        return CCGEN_ERROR_ARGUMENT;
+    }
+    for (size_t k = 0; k < n; ++k) {
+        port_angles_t shape;
+        int32_t jacobian[6][PORT_VALUES];
+        port_unpack_angles(&angles[k * PORT_VALUES], &shape);
+        const int result = port_integer_tip_jacobian(&shape, jacobian);
+        if (result != CCGEN_OK) {
+            return result;
+        }
+        int32_t *const row = &jacobians[k * 6u * PORT_VALUES];
+        for (size_t i = 0; i < 6u; ++i) {
+            for (size_t j = 0; j < PORT_VALUES; ++j) {
+                row[i * PORT_VALUES + j] = jacobian[i][j];
             }
         }
     }

@@ -98,6 +98,18 @@ static inline int port_integer_segment_pose(const port_angles_t *angles, uint16_
     return result;
 }
 
+static inline int port_integer_tip_jacobian(const port_angles_t *angles,
+                                            int32_t jacobian[6][PORT_VALUES]) {
+    float found[6][PORT_VALUES];
+    const int result = sample_tip_jacobian(angles, found);
+    for (uint8_t i = 0; (result == CCGEN_OK) && (i < 6u); ++i) {
+        for (uint8_t j = 0; j < PORT_VALUES; ++j) {
+            jacobian[i][j] = (int32_t)found[i][j];
+        }
+    }
+    return result;
+}
+
 static inline int port_tip_jacobian(const port_angles_t *angles,
                                     float jacobian[6][PORT_VALUES]) {
     return sample_tip_jacobian(angles, jacobian);
