@@ -15,6 +15,7 @@
  * - One frame at a time is the driver's, whose buffer it keeps live here; sent once, and again by
  *   service() until it is older than a cycle. So nothing old is left in the controller.
  * - At bus-off what is in flight is aborted; service() starts the recovery.
+ * - A bit rate that the clock does not give exactly: the node API rounds it, and logs that.
  */
 #ifndef CAN_TWAI_H
 #define CAN_TWAI_H
