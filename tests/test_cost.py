@@ -4,14 +4,19 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from test_joint_checks import loaded
 from typer.testing import CliRunner
 
+import ccgen
 from ccgen.cli.main import app
 from ccgen.cost import costs as measuring
 from ccgen.cost.budget import Budget, excesses
+from ccgen.cost.harness import REPEATS
 from ccgen.cost.measure import measure
 from ccgen.cost.program import compile_measured
+from ccgen.cost.snapshots import snapshots
 from ccgen.cost.stack import read_disassembly, read_frames, worst_case
 from ccgen.errors import CheckError
 from ccgen.export.package import export
@@ -54,6 +59,55 @@ def test_every_core_is_measured_whole(costs, target):
     assert 0 < cost.times.health < cost.times.transmit
     assert record["instructions_per_estimate"] == cost.times.estimate
     assert record["unit"] == ("cycles" if target == "avr" else "instructions")
+    assert not {"instructions_per_check", "instructions_per_examination"} & set(record)
+
+
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("checked") / "joint"
+    export(ccgen.fit(ccgen.parse(loaded())), folder)
+    return folder
+
+
+def test_checks_are_measured_on_snapshots_that_are_quiet_and_on_such_as_all_groups_contradict(
+    checked,
+):
+    exported = open_exported(checked)
+    groups = exported.guarded.groups
+    assert len(groups) == 2
+    taken = snapshots(exported)
+    differences = (rows - exported.model.readings.zero for rows in (taken.whole, taken.examined))
+    quiet, examined = differences
+    for group in groups:
+        assert group.quiet(quiet[:, group.own]).all()
+        assert not group.verdicts(quiet[:, group.own])[0].any()
+        assert group.verdicts(examined[:, group.own])[0].all()
+    assert np.abs(quiet).max() > 500, "bent, not just the straight joint"
+
+
+def test_checks_are_told_beside_the_estimate(checked):
+    result = run(checked, "--target", "cortex-m4", "--target", "avr", "--json")
+    arm, avr = json.loads(result.stdout)["targets"]
+    parts = ("receive", "estimate", "check", "tip_pose", "transmit")
+    for told in (arm, avr):
+        spent = [told[f"instructions_per_{part}"] for part in parts]
+        assert 0 < told["instructions_per_check"] <= 0.6 * told["instructions_per_estimate"]
+        assert told["instructions_per_examination"] > 3 * told["instructions_per_check"]
+        assert 0.99 * sum(spent) < told["instructions_per_snapshot"] <= sum(spent)
+    assert "follow" in arm["stacks"]
+    table = run(checked, "--target", "cortex-m4").stdout
+    lines = [line.split() for line in table.splitlines()]
+    titles, row = (next(x for x in lines if x[:1] == [name]) for name in ("target", "cortex-m4"))
+    assert row[titles.index("check")] == f"{arm['instructions_per_check']:,}"
+    examined = f"{arm['instructions_per_examination']:,} (cortex-m4) instead."
+    assert examined in " ".join(table.split())
+
+
+def test_examined_snapshots_are_followed_until_a_sensor_is_left_out(checked):
+    exported = open_exported(checked)
+    rows = np.repeat(snapshots(exported).examined[-1:], REPEATS, axis=0)
+    followed = exported.guarded.follow(rows)
+    assert (followed.values[-1] != followed.values[0]).any(), "a fallback serves at the last"
 
 
 def test_another_level_of_optimisation_is_measured_and_named(shoulder, costs):

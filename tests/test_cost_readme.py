@@ -1,10 +1,13 @@
 import json
+import re
 import sys
 from pathlib import Path
 
 import pytest
+from test_joint_checks import loaded
 from typer.testing import CliRunner
 
+import ccgen
 from ccgen.cli.main import app
 from ccgen.cost import costs
 from ccgen.cost.readme import BEGIN, END, has_table
@@ -57,6 +60,16 @@ def test_the_table_in_the_readme_is_replaced_and_counts_as_exported(folder):
         assert changed_files(folder) == []
         assert has_table(folder)
     assert "| cortex-m4 | " not in text
+
+
+def test_a_checked_joint_has_a_column_of_its_check_and_what_an_examined_snapshot_takes(tmp_path):
+    export(ccgen.fit(ccgen.parse(loaded())), tmp_path / "joint")
+    run("cost", tmp_path / "joint", "--target", "cortex-m4", "--write")
+    section = readme(tmp_path / "joint").partition(BEGIN)[2].partition(END)[0]
+    assert "| estimate | check | pose |" in section
+    assert re.search(r"contradict each other it takes up to [\d,]+ \(cortex-m4\) instead", section)
+    titles, rule, row = (line for line in section.splitlines() if line.startswith("|"))
+    assert titles.count("|") == rule.count("|") == row.count("|")
 
 
 def test_a_readme_without_the_section_gets_it_at_its_end(folder):

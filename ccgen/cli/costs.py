@@ -19,14 +19,15 @@ def note_left_out(left_out: Mapping[str, str]) -> None:
 
 def show_costs(costs: "Sequence[Cost]") -> None:
     """Print the table on stdout."""
-    from ccgen.cost.readme import TITLES, functions_table, row_of
+    from ccgen.cost.readme import examination, functions_table, main_table
 
     console = results()
-    show_table(_table(TITLES, [row_of(one) for one in costs]))
+    show_table(_table(*main_table(costs)))
     console.print(
         f"Bytes of a whole node with tip pose and the compiler's own functions, {costs[0].level}: "
         "flash is code and constants, RAM is without stack. Instructions at most, on AVR cycles, "
-        "of the parts of a snapshot and of all of it, without HEALTH.",
+        "of the parts of a snapshot and of all of it, without HEALTH. "
+        f"{examination(costs)}".rstrip(),
         soft_wrap=True,
     )
     if costs[0].times.functions:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ccgen.can.transports import not_run
 from ccgen.cost.harness import FIRST_FUNCTION
-from ccgen.cost.instructions import Spent, Times
+from ccgen.cost.instructions import Examined, Spent, Times
 from ccgen.errors import ToolError
 from ccgen.resources import template
 from ccgen.targets.compiler import compiler, run_compiler
@@ -21,6 +21,8 @@ _PARTS = (_ESTIMATE, 2, 3, _TRANSMIT, 5, _WAS_HEALTH)
 and a frame received again; and behind a frame that was HEALTH."""
 
 _EMPTY = (7, 8)
+_FOLLOW, _EXAMINED, _EXAMINED_FOLLOW = 11, 12, 13
+"""Noted before a quiet snapshot is followed, an examined one is estimated, and it is followed."""
 
 
 def cycles(exported: Exported, program: Path, folder: Path) -> Times:
@@ -58,8 +60,8 @@ def _times(notes: list[tuple[int, int]], functions: Sequence[str]) -> Times:
     snapshots: list[dict[int, int]] = []
     for place, (number, taken) in enumerate(spent):
         if number == _ESTIMATE:
-            snapshots.append(dict.fromkeys((*_PARTS, *own), 0))
-        if number in (*_PARTS, *own):
+            snapshots.append(dict.fromkeys((*_PARTS, _FOLLOW, *own), 0))
+        if number in (*_PARTS, _FOLLOW, *own):
             is_health = number == _TRANSMIT and notes[place + 2][0] == _WAS_HEALTH
             snapshots[-1][_WAS_HEALTH if is_health else number] += taken - empty
     return Times.of(
@@ -72,8 +74,20 @@ def _times(notes: list[tuple[int, int]], functions: Sequence[str]) -> Times:
                 transmit=one[4],
                 health=one[_WAS_HEALTH],
                 functions={name: one[number] for name, number in zip(functions, own, strict=True)},
+                follow=one[_FOLLOW] or None,
             )
             for one in snapshots
         ],
+        _examined([(number, taken - empty) for number, taken in spent]),
         unit="cycles",
     )
+
+
+def _examined(spent: list[tuple[int, int]]) -> list[Examined]:
+    found: list[Examined] = []
+    for number, taken in spent:
+        if number == _EXAMINED:
+            found.append(Examined(taken, 0))
+        elif number == _EXAMINED_FOLLOW:
+            found[-1] = Examined(found[-1].estimate, max(found[-1].follow, taken))
+    return found

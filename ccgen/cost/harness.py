@@ -1,35 +1,21 @@
 """The C program that an exported folder's cost is measured with: inputs, outputs and state."""
 
 import can
-import numpy as np
 
+from ccgen.cost.snapshots import snapshots
 from ccgen.export.fields import fields_of
+from ccgen.fixedpoint.watch import OUT_AFTER
 from ccgen.functions.integer import outputs_of
 from ccgen.polynomial import Compiled
 from ccgen.resources import template
-from ccgen.sensing.counts import corner_counts, random_counts
 from ccgen.targets.exported import Exported
-from ccgen.targets.inputs import Integers, shape_counts
+from ccgen.targets.inputs import Integers
 
-SHAPES = 2
-CORNERS = 2
-DRAWN = 1
+REPEATS = OUT_AFTER + 1
+"""How often an examined snapshot is followed: until what it names is left out, and once more."""
 
-FIRST_FUNCTION = 11
+FIRST_FUNCTION = 14
 """Number that the harness notes on AVR before the first of the user's own functions."""
-
-
-def snapshots(exported: Exported) -> Integers:
-    """Counts to measure with: shapes, corners of the ranges, drawn; shape (k, n)."""
-    axes = [group.around() for group in exported.model.groups]
-    shapes, corners = shape_counts(exported), corner_counts(axes)
-    return np.concatenate(
-        [
-            shapes[:: max(1, len(shapes) // SHAPES)][:SHAPES],
-            corners[:: max(1, len(corners) - 1)][:CORNERS],
-            random_counts(axes, DRAWN, 0),
-        ]
-    )
 
 
 def frames(exported: Exported, counts: Integers) -> list[list[can.Message]]:
@@ -41,8 +27,8 @@ def frames(exported: Exported, counts: Integers) -> list[list[can.Message]]:
 
 def source(exported: Exported) -> str:
     """C source: constant inputs, and variables for everything a caller owns."""
-    counts = snapshots(exported)
-    sent = frames(exported, counts)
+    taken = snapshots(exported)
+    sent = frames(exported, taken.whole)
     fields = fields_of(exported.joint, exported.layout)
     results = {
         f"cost_{function.name}_{output}": len(row)
@@ -51,7 +37,10 @@ def source(exported: Exported) -> str:
     }
     return template("cost_harness.c.j2").render(
         name=exported.joint.name,
-        counts=[[row[field.part] for field in fields] for row in counts.tolist()],
+        counts=[[row[field.part] for field in fields] for row in taken.all.tolist()],
+        whole=len(taken.whole),
+        examined=len(taken.examined),
+        repeats=REPEATS,
         frames=len(sent[0]),
         messages=[message for group in sent for message in group],
         cycle_us=exported.layout.cycle_us,

@@ -4,9 +4,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ccgen.cost.emulator import Program
-from ccgen.cost.harness import results_of, snapshots
+from ccgen.cost.harness import REPEATS, results_of
+from ccgen.cost.snapshots import snapshots
 from ccgen.errors import CheckError
 from ccgen.targets.exported import Exported
+
+
+@dataclass(frozen=True)
+class Checks:
+    """The most that holding sensors against each other took, beside an estimate.
+
+    Attributes:
+        quiet: where a snapshot's sensors clearly agree.
+        examined: where those of as many groups as can be contradict each other.
+    """
+
+    quiet: int
+    examined: int
 
 
 @dataclass(frozen=True)
@@ -17,11 +31,13 @@ class Times:
         estimate: of all axes.
         tip_pose: of the estimated angles.
         frame: received, without completing a snapshot.
-        receive: all frames of a snapshot, without estimate and tip pose.
+        receive: all frames of a snapshot, without estimate, check and tip pose.
         transmit: all frames that answer it, and the call that says there are no more.
         health: a HEALTH frame fetched, which belongs to no snapshot; 0 where none is sent.
-        snapshot: its frames in, the estimate and the tip pose, all answers out, without HEALTH.
+        snapshot: its frames in, the estimate and the tip pose, all answers out, without HEALTH;
+            where sensors are checked, of a quiet one.
         unit: "instructions" or "cycles".
+        checks: None where no sensors are checked.
         functions: of the user's own, by name; part of no snapshot.
     """
 
@@ -33,14 +49,19 @@ class Times:
     health: int
     snapshot: int
     unit: str
+    checks: Checks | None = None
     functions: Mapping[str, int] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, spent: "Sequence[Spent]", unit: str) -> "Times":
+    def of(cls, spent: "Sequence[Spent]", examined: "Sequence[Examined]", unit: str) -> "Times":
         """The most of several snapshots."""
         most = {name: max(getattr(one, name) for one in spent) for name in _COUNTED}
         functions = {name: max(one.functions[name] for one in spent) for name in spent[0].functions}
-        return cls(**most, unit=unit, functions=functions)
+        checks = None
+        if examined:
+            checks = Checks(max(one.check for one in spent), max(one.check for one in examined))
+            most["estimate"] = max(most["estimate"], *(one.estimate for one in examined))
+        return cls(**most, unit=unit, checks=checks, functions=functions)
 
 
 @dataclass(frozen=True)
@@ -51,6 +72,7 @@ class Spent:
         estimate, tip_pose, frame, transmit, health: as of `Times`.
         received: by the calls that took its frames, the last with estimate and tip pose in it.
         functions: of the user's own, by name, of its angles.
+        follow: estimate and check together; None where no sensors are checked.
     """
 
     estimate: int
@@ -60,16 +82,35 @@ class Spent:
     transmit: int
     health: int
     functions: Mapping[str, int]
+    follow: int | None
+
+    @property
+    def check(self) -> int:
+        """As of `Checks`; 0 where no sensors are checked."""
+        return 0 if self.follow is None else self.follow - self.estimate
 
     @property
     def receive(self) -> int:
         """As of `Times`."""
-        return self.received - self.estimate - self.tip_pose
+        return self.received - self.estimate - self.check - self.tip_pose
 
     @property
     def snapshot(self) -> int:
         """As of `Times`."""
         return self.received + self.transmit
+
+
+@dataclass(frozen=True)
+class Examined:
+    """What an examined snapshot took: its estimate, and at most with the check."""
+
+    estimate: int
+    follow: int
+
+    @property
+    def check(self) -> int:
+        """As of `Checks`."""
+        return self.follow - self.estimate
 
 
 _COUNTED = ("estimate", "tip_pose", "frame", "receive", "transmit", "health", "snapshot")
@@ -101,22 +142,35 @@ def count(exported: Exported, program: Program) -> tuple[Times, int]:
     machine = _Machine(exported, program)
     machine.call("init", "cost_joint")
     machine.call("node_init", "cost_node")
-    rows = len(snapshots(exported))
-    taken = [_snapshot(exported, program, machine, k, rows) for k in range(rows)]
-    return Times.of(taken, "instructions"), machine.stack_bytes
+    taken = snapshots(exported)
+    size = program.size("cost_counts") // len(taken.all)
+    counts = [program.address("cost_counts") + k * size for k in range(len(taken.all))]
+    rows = len(taken.whole)
+    spent = [_snapshot(exported, program, machine, k, counts[:rows]) for k in range(rows)]
+    examined = [_examined(machine, one) for one in counts[rows:]]
+    return Times.of(spent, examined, "instructions"), machine.stack_bytes
 
 
-def _estimate(program: Program, machine: _Machine, k: int, rows: int) -> int:
-    counts = program.address("cost_counts") + k * (program.size("cost_counts") // rows)
-    return machine.call("estimate", "cost_joint", counts, "cost_angles")[0]
+def _examined(machine: _Machine, counts: int) -> Examined:
+    arguments = ("cost_joint", counts, "cost_angles")
+    machine.call("init", "cost_joint")
+    estimate, _ = machine.call("estimate", *arguments)
+    follow = max(machine.call("follow", *arguments)[0] for _ in range(REPEATS))
+    return Examined(estimate, follow)
 
 
-def _snapshot(exported: Exported, program: Program, machine: _Machine, k: int, rows: int) -> Spent:
+def _snapshot(
+    exported: Exported, program: Program, machine: _Machine, k: int, counts: Sequence[int]
+) -> Spent:
+    """What snapshot k takes, of those whose counts stand at some addresses."""
     frames = exported.layout.lengths_frames
     sent = program.address("cost_frames")
-    frame_size = program.size("cost_frames") // (rows * frames)
+    frame_size = program.size("cost_frames") // (len(counts) * frames)
     now = k * exported.layout.cycle_us
-    estimate = _estimate(program, machine, k, rows)
+    arguments = ("cost_joint", counts[k], "cost_angles")
+    estimate, _ = machine.call("estimate", *arguments)
+    checked = bool(exported.guarded.groups)
+    follow = machine.call("follow", *arguments)[0] if checked else None
     tip_pose, _ = machine.call("integer_tip_pose", "cost_angles", "cost_pose")
     received = [
         machine.call("node_receive", "cost_node", sent + (k * frames + i) * frame_size, now)
@@ -139,7 +193,7 @@ def _snapshot(exported: Exported, program: Program, machine: _Machine, k: int, r
         function.name: machine.call(function.name, "cost_angles", *variables)[0]
         for function, variables in results_of(exported)
     }
-    return Spent(estimate, tip_pose, frame, taken, answers, health, functions)
+    return Spent(estimate, tip_pose, frame, taken, answers, health, functions, follow)
 
 
 def _id_of(program: Program) -> int:

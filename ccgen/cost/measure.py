@@ -8,7 +8,7 @@ from typing import Any
 
 from ccgen.cost import stack
 from ccgen.cost.instructions import Times, count
-from ccgen.cost.program import CALLS, compile_measured
+from ccgen.cost.program import calls_of, compile_measured
 from ccgen.cost.size import FUNCTIONS, Size, read_map
 from ccgen.errors import CheckError
 from ccgen.targets.compiler import LEVEL
@@ -88,6 +88,7 @@ class Cost:
             "instructions_per_transmit": self.times.transmit,
             "instructions_per_health": self.times.health,
             "instructions_per_snapshot": self.times.snapshot,
+            **self._checks(),
             "parts": {
                 name: {"code_bytes": part.code, "constant_bytes": part.constants}
                 for name, part in self.parts.items()
@@ -101,6 +102,16 @@ class Cost:
                 for name, taken in self.times.functions.items()
             },
             "functions_flash_bytes": self.functions.code + self.functions.constants,
+        }
+
+    def _checks(self) -> dict[str, int]:
+        """What holding sensors against each other takes; empty where none are checked."""
+        checks = self.times.checks
+        if checks is None:
+            return {}
+        return {
+            "instructions_per_check": checks.quiet,
+            "instructions_per_examination": checks.examined,
         }
 
 
@@ -122,7 +133,7 @@ def measure(exported: Exported, target: str, level: str = LEVEL) -> Cost:
         own = [function.name for function in exported.functions.compiled]
         stacks = {
             call: stack.worst_case(f"{joint}_{call}", functions, frames)[0]
-            for call in (*CALLS, "node_init", *own)
+            for call in (*calls_of(exported), "node_init", *own)
         }
         times = _times(exported, target, compiled.program, folder, max(stacks.values()))
         parts = read_map(compiled.map, joint)

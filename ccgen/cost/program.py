@@ -20,10 +20,14 @@ FLAGS = (
 _OF_THE_HOST = {HOST: ("-mno-red-zone",)}
 """What a leaf uses below the stack pointer stands in no record of its frame."""
 
-CALLS = ("estimate", "integer_tip_pose", "node_receive", "node_transmit")
-"""Functions that are measured, without the joint's name."""
+_CALLS = ("estimate", "integer_tip_pose", "node_receive", "node_transmit")
 
 _VARIABLES = ("counts", "frames", "joint", "angles", "pose", "node", "frame")
+
+
+def calls_of(exported: Exported) -> tuple[str, ...]:
+    """Functions that are measured, without the joint's name."""
+    return (*_CALLS, *(("follow",) if exported.guarded.groups else ()))
 
 
 @dataclass(frozen=True)
@@ -71,7 +75,7 @@ def compile_measured(exported: Exported, core: Core, folder: Path, level: str = 
         command = [*compiler, "-c", str(file), "-o", str(objects[-1])]
         run_compiler(command, folder, f"{exported.directory}: {compiler[0]}")
     roots = [
-        *(f"{joint}_{call}" for call in (*CALLS, "init", "capture_zero", "node_init")),
+        *(f"{joint}_{call}" for call in (*calls_of(exported), "init", "capture_zero", "node_init")),
         *(f"cost_{variable}" for variable in _VARIABLES),
         *(f"{joint}_{function.name}" for function, _ in harness.results_of(exported)),
         *(one for _, variables in harness.results_of(exported) for one in variables),

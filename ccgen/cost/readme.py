@@ -23,6 +23,9 @@ _SECTION = re.compile(f"{re.escape(BEGIN)}.*?{re.escape(END)}\n", re.DOTALL)
 TITLES = (
     "target", "flash", "RAM", "stack", "receive", "estimate", "pose", "transmit", "snapshot",
 )  # fmt: skip
+_CHECK = "check"
+_BEFORE = TITLES.index("pose")
+"""The column that is before its own, where sensors are checked."""
 
 
 def has_table(directory: Path) -> bool:
@@ -51,6 +54,7 @@ def write_table(exported: "Exported", costs: "Sequence[Cost]") -> None:
 
 def markdown(costs: "Sequence[Cost]") -> str:
     """A section with one row a target."""
+    titles, rows = main_table(costs)
     lines = [
         "## What it costs", "",
         f"Of a whole node with its tip pose, compiled with `{costs[0].level}`: bytes of flash, "
@@ -59,10 +63,10 @@ def markdown(costs: "Sequence[Cost]") -> str:
         "most instructions (AVR: cycles) that the parts of a snapshot took, its frames received, "
         "the estimate, the tip pose and its answer transmitted, and all of it. HEALTH, which "
         f"belongs to no snapshot, takes {_span([cost.times.health for cost in costs])} a frame. "
-        "Measured by `ccgen cost`.",
-        "", f"| {' | '.join(TITLES)} |", f"|---{'|---:' * (len(TITLES) - 1)}|",
+        f"{examination(costs)}Measured by `ccgen cost`.",
+        "", f"| {' | '.join(titles)} |", f"|---{'|---:' * (len(titles) - 1)}|",
     ]  # fmt: skip
-    lines += [f"| {' | '.join(row)} |" for row in map(row_of, costs)]
+    lines += [f"| {' | '.join(row)} |" for row in rows]
     if any(cost.times.functions for cost in costs):
         lines += ["", *_functions_table(costs)]
     return "\n".join(lines) + "\n"
@@ -96,10 +100,33 @@ def _span(numbers: "Sequence[int]") -> str:
     return f"{low:,}" if low == high else f"{low:,} to {high:,}"
 
 
-def row_of(cost: "Cost") -> tuple[str, ...]:
-    """Cells of one target."""
+def main_table(costs: "Sequence[Cost]") -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Titles and rows, one a target, of what a node costs."""
+    if costs[0].times.checks is None:
+        return TITLES, [_row_of(cost) for cost in costs]
+    return (*TITLES[:_BEFORE], _CHECK, *TITLES[_BEFORE:]), [_row_of(cost) for cost in costs]
+
+
+def examination(costs: "Sequence[Cost]") -> str:
+    """Sentences on what the checks take; empty where no sensors are checked."""
+    examined = [
+        f"{cost.times.checks.examined:,} ({cost.target})"
+        for cost in costs
+        if cost.times.checks is not None
+    ]
+    if not examined:
+        return ""
+    return (
+        "The check is that of sensors that agree, in the snapshot too; where the sensors of every "
+        f"group contradict each other it takes up to {', '.join(examined)} instead. "
+    )
+
+
+def _row_of(cost: "Cost") -> tuple[str, ...]:
+    times = cost.times
     numbers = (
-        cost.flash_bytes, cost.ram_bytes, cost.stack_bytes, cost.times.receive,
-        cost.times.estimate, cost.times.tip_pose, cost.times.transmit, cost.times.snapshot,
+        cost.flash_bytes, cost.ram_bytes, cost.stack_bytes, times.receive, times.estimate,
+        *(() if times.checks is None else (times.checks.quiet,)),
+        times.tip_pose, times.transmit, times.snapshot,
     )  # fmt: skip
     return (cost.target, *(f"{number:,}" for number in numbers))

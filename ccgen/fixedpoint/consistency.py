@@ -79,6 +79,16 @@ class GroupCheck:
         """Bits that parity values lose at least."""
         return _shift(self.quiet_bits)
 
+    def quiet(self, differences: ArrayLike) -> NDArray[np.bool_]:
+        """Of which snapshots the parity values alone tell that nothing alarms, shape (K,).
+
+        Args:
+            differences: as of `verdicts`.
+        """
+        values = np.asarray(differences, dtype=np.int64) @ self.weights[: self.kept].T
+        edge = 1 << self.quiet_bits
+        return np.asarray(((-edge <= values) & (values < edge)).all(axis=1))
+
     def verdicts(self, differences: ArrayLike) -> tuple[NDArray[np.bool_], Integers]:
         """Whether snapshots alarm, and the sensor of the group that each names or `NOBODY`.
 

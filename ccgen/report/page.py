@@ -91,12 +91,13 @@ def _svg(figure: "Figure") -> str:
 def _costs(fit: Fit) -> tables.Table:
     """What the exported folder costs on each core."""
     from ccgen.cost.costs import cost
-    from ccgen.cost.readme import TITLES, row_of
+    from ccgen.cost.readme import main_table
     from ccgen.export.package import export
 
     with TemporaryDirectory() as folder:
         directory = export(fit, Path(folder) / fit.joint.name).directory
-        return tables.Table(tuple(TITLES), tuple(tuple(row_of(x)) for x in cost(directory).targets))
+        titles, rows = main_table(cost(directory).targets)
+        return tables.Table(titles, tuple(rows))
 
 
 def _provenance(fit: Fit) -> dict[str, str]:

@@ -56,8 +56,9 @@ static inline uint8_t ccgen_shortened32(const ccgen_check_t *const check,
 
 /** Finds parity values of a group whose number of sensors need not be known to the compiler. */
 static inline void ccgen_values32(const ccgen_axis32_t *const rows,
-                                  const ccgen_factors32_t *const factors, const uint32_t **const row,
-                                  int64_t *const parity, const uint8_t values) {
+                                  const ccgen_factors32_t *const factors,
+                                  const uint32_t **const row, int64_t *const parity,
+                                  const uint8_t values) {
     for (uint8_t i = 0; i < values; ++i) {
         uint64_t sum = 0;
         for (uint8_t j = 0; j < rows->sensors; ++j) {
