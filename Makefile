@@ -24,7 +24,7 @@ TOOLS = gcc:gcc g++:g++ clang:clang $(FUZZER):libclang-rt-dev cmake:cmake \
   avr-gcc:gcc-avr avr-gcc:avr-libc simavr:simavr simavr:libsimavr-dev \
   arduino-builder:arduino-builder arduino-builder:arduino-core-avr \
   qemu-system-arm:qemu-system-arm qemu-system-riscv32:qemu-system-misc gappa:gappa \
-  chromium:chromium
+  chromium:chromium cppcheck:cppcheck
 
 .PHONY: demo test prove mutants coverage vcan lint tools benchmark clean
 

@@ -45,15 +45,15 @@ static bool add(const ccgen_capture_limits_t *const limits, ccgen_capture_t *con
         if ((away + limit) > (2u * limit)) {
             return false;
         }
-        capture->sum[j] += (away <= limit) ? (int32_t)away : -(int32_t)(0u - away);
+        capture->sum[j] += (away <= limit) ? (int32_t)away : -(int32_t)(0u - away); /* MISRA 10.8 */
     }
     return true;
 }
 
 /** \return sum / number to the nearest, halves away from 0. */
 static int32_t mean(const int32_t sum, const uint8_t number) {
-    const int32_t half = (int32_t)(number / 2u);
-    return (sum >= 0) ? ((sum + half) / number) : -((half - sum) / number);
+    const int32_t half = (int32_t)(number / 2u); /* MISRA 10.8 */
+    return (sum >= 0) ? ((sum + half) / number) : -((half - sum) / number); /* MISRA 10.4 */
 }
 
 ccgen_result_t ccgen_capture_take(const ccgen_capture_limits_t *const limits,

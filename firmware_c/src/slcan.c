@@ -20,19 +20,19 @@ static uint8_t length_of_code(const uint8_t code) {
 }
 
 static uint8_t digit_value(const uint8_t character) {
-    if ((character >= '0') && (character <= '9')) {
-        return (uint8_t)(character - '0');
+    if ((character >= '0') && (character <= '9')) { /* MISRA 10.4 */
+        return (uint8_t)(character - '0'); /* MISRA 10.4 */
     }
     const uint8_t lower = (uint8_t)(character | LOWER_CASE);
-    if ((lower >= 'a') && (lower <= 'f')) {
-        return (uint8_t)(lower - 'a' + 10);
+    if ((lower >= 'a') && (lower <= 'f')) { /* MISRA 10.4 */
+        return (uint8_t)(lower - 'a' + 10); /* MISRA 10.4 */
     }
     return NO_DIGIT;
 }
 
 static uint8_t digit_of(const uint32_t value) {
     const uint8_t nibble = (uint8_t)(value & 0x0Fu);
-    return (uint8_t)((nibble < 10u) ? (nibble + '0') : (nibble - 10 + 'A'));
+    return (uint8_t)((nibble < 10u) ? (nibble + '0') : (nibble - 10 + 'A')); /* MISRA 10.4 */
 }
 
 static bool read_number(const uint8_t *const text, const uint8_t digits, uint32_t *const number) {
@@ -50,7 +50,7 @@ static bool read_number(const uint8_t *const text, const uint8_t digits, uint32_
 
 static uint8_t *write_number(uint8_t *text, const uint32_t number, const uint8_t digits) {
     for (uint8_t i = digits; i > 0u; --i) {
-        *text = digit_of(number >> (4u * (i - 1u)));
+        *text = digit_of(number >> (4u * (i - 1u))); /* MISRA 10.7 */
         ++text;
     }
     return text;
@@ -68,17 +68,17 @@ static bool id_exists(const ccgen_frame_t *const frame) {
 static bool read_kind(const uint8_t character, ccgen_frame_t *const frame) {
     const uint8_t lower = (uint8_t)(character | LOWER_CASE);
     frame->extended = (character != lower);
-    frame->remote = (lower == 'r');
-    frame->rate_switch = (lower == 'b');
-    frame->fd = (lower == 'd') || (lower == 'b');
-    return (lower == 't') || frame->remote || frame->fd;
+    frame->remote = (lower == 'r'); /* MISRA 10.4 */
+    frame->rate_switch = (lower == 'b'); /* MISRA 10.4 */
+    frame->fd = (lower == 'd') || (lower == 'b'); /* MISRA 10.4 */
+    return (lower == 't') || frame->remote || frame->fd; /* MISRA 10.4 */
 }
 
 static uint8_t kind_character(const ccgen_frame_t *const frame) {
     const uint8_t fd = (uint8_t)(frame->rate_switch ? 'b' : 'd');
     const uint8_t classic = (uint8_t)(frame->remote ? 'r' : 't');
     const uint8_t lower = frame->fd ? fd : classic;
-    return (uint8_t)(frame->extended ? (lower & ~LOWER_CASE) : lower);
+    return (uint8_t)(frame->extended ? (lower & ~LOWER_CASE) : lower); /* MISRA 10.8 */
 }
 
 static bool read_data(const uint8_t *const text, ccgen_frame_t *const frame) {
@@ -146,7 +146,7 @@ static int report(ccgen_slcan_t *const slcan, const char *const text) {
 static int choose(const ccgen_slcan_t *const slcan, const uint8_t last, const bool only_closed) {
     const uint8_t digit = slcan->line[1];
     const bool possible = !(only_closed && slcan->open);
-    return (possible && (slcan->length == 2u) && (digit >= '0') && (digit <= last))
+    return (possible && (slcan->length == 2u) && (digit >= '0') && (digit <= last)) /* MISRA 10.4 */
                ? 0
                : CCGEN_ERROR_FORMAT;
 }

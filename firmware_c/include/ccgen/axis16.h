@@ -23,7 +23,7 @@ extern "C" {
 
 /** Whether weights are stored as halves; may be set to 0 or 1 to try the other layout. */
 #if !defined(CCGEN_HALVES)
-#if defined(__ARM_FEATURE_SIMD32) || (UINT_MAX < 0xFFFFFFFFu)
+#if defined(__ARM_FEATURE_SIMD32) || (UINT_MAX < 0xFFFFFFFFu) /* MISRA 20.9 */
 #define CCGEN_HALVES 1
 #else
 #define CCGEN_HALVES 0

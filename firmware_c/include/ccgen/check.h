@@ -21,7 +21,7 @@
 
 /** Converts a number by the cast of either language. */
 #if defined(__cplusplus)
-#define CCGEN_CAST(type, value) static_cast<type>(value)
+#define CCGEN_CAST(type, value) static_cast<type>(value) /* MISRA 20.7 */
 #else
 #define CCGEN_CAST(type, value) ((type)(value))
 #endif
@@ -44,7 +44,7 @@
 #endif
 
 /** Whether flash is short where such cores are used: Thumb-1, and ints of 16 bits (AVR). */
-#if CCGEN_THUMB1 || (UINT_MAX < 0xFFFFFFFFu)
+#if CCGEN_THUMB1 || (UINT_MAX < 0xFFFFFFFFu) /* MISRA 20.9 */
 #define CCGEN_SMALL 1
 #else
 #define CCGEN_SMALL 0
@@ -79,16 +79,16 @@
 #endif
 
 /** Most sensors of a joint: the status frame has a bit for each. */
-#define CCGEN_SENSORS_MAX 16
+#define CCGEN_SENSORS_MAX 16u
 
 /** Most sensors of an axis whose products stand one after the other; more are looped over. */
-#define CCGEN_UNROLLED_MAX 8
+#define CCGEN_UNROLLED_MAX 8u
 
 /** Most output axes of a joint: bending u and v, elongation h. */
-#define CCGEN_AXES_MAX 3
+#define CCGEN_AXES_MAX 3u
 
 /** Most segments of a joint. */
-#define CCGEN_SEGMENTS_MAX 64
+#define CCGEN_SEGMENTS_MAX 64u
 
 CCGEN_STATIC_ASSERT(CHAR_BIT == 8, bytes_have_eight_bits);
 CCGEN_STATIC_ASSERT(sizeof(int16_t) == 2 && sizeof(uint16_t) == 2, int16_has_two_bytes);

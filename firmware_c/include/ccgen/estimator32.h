@@ -36,7 +36,7 @@ extern "C" {
 CCGEN_INLINE void ccgen_axis32_evaluate(const ccgen_axis32_t *const axis, const int32_t *const zero,
                                         const int32_t *const counts, int32_t *const angles) {
     const uint64_t start = (uint64_t)axis->bias + ccgen_axis32_offset(axis);
-    ccgen_factors32_t factors = {
+    ccgen_factors32_t factors = { /* MISRA 9.3 */
         (uint32_t)(start & 0xFFFFFFFFu),
         (uint32_t)(start >> 32),
         {

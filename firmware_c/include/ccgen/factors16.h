@@ -30,12 +30,13 @@ extern "C" {
 #define CCGEN_ANGLE16_LIMIT 32767
 
 /** Most pairs of sensors on one axis, and most that stand one after the other. */
-#define CCGEN_PAIRS_MAX (CCGEN_SENSORS_MAX / 2)
-#define CCGEN_PAIRS_UNROLLED (CCGEN_UNROLLED_MAX / 2)
+#define CCGEN_PAIRS_MAX (CCGEN_SENSORS_MAX / 2u)
+#define CCGEN_PAIRS_UNROLLED (CCGEN_UNROLLED_MAX / 2u)
 
 /** What one snapshot contributes to every segment. */
 typedef struct {
     uint32_t start;                     /**< what every sum begins with */
+    /* MISRA 10.4 */
     uint32_t pair[2 * CCGEN_PAIRS_MAX]; /**< two factors of every pair of sensors */
     bool narrow;                        /**< every difference fits 16 bits */
 } ccgen_factors16_t;

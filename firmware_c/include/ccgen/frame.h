@@ -8,7 +8,7 @@
 #include "ccgen/check.h"
 
 /** Most bytes of data in a frame (CAN FD). */
-#define CCGEN_FRAME_CAPACITY 64
+#define CCGEN_FRAME_CAPACITY 64u
 
 /** Zero-initialised it is an empty classic data frame with standard identifier 0. */
 typedef struct {

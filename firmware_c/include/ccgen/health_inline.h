@@ -18,7 +18,7 @@ static inline uint8_t ccgen_health_states(const ccgen_layout_t *const layout, co
     uint32_t mask = 0;
     for (uint8_t axis = 0; axis < CCGEN_AXES_MAX; ++axis) {
         const uint8_t state = (layout->rows[axis] > 0u) ? there : elsewhere;
-        mask |= (uint32_t)state << (CCGEN_HEALTH_BITS * axis);
+        mask |= (uint32_t)state << (CCGEN_HEALTH_BITS * (uint32_t)axis);
     }
     return (uint8_t)mask;
 }

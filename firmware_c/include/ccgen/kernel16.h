@@ -27,8 +27,8 @@ CCGEN_INLINE uint32_t ccgen_add_halves(const uint32_t sum, const uint32_t a, con
 #if defined(__ARM_FEATURE_SIMD32)
     return (uint32_t)__smlad(ccgen_signed32(a), ccgen_signed32(b), ccgen_signed32(sum));
 #else
-    return sum + (uint32_t)((int32_t)ccgen_low16(a) * ccgen_low16(b)) +
-           (uint32_t)((int32_t)ccgen_high16(a) * ccgen_high16(b));
+    return sum + (uint32_t)((int32_t)ccgen_low16(a) * ccgen_low16(b)) + /* MISRA 10.8 */
+           (uint32_t)((int32_t)ccgen_high16(a) * ccgen_high16(b)); /* MISRA 10.8 */
 #endif
 }
 #endif
@@ -47,6 +47,7 @@ CCGEN_INLINE uint32_t ccgen_add_pair16(const ccgen_axis16_t *const axis, const u
     uint32_t result = sum + weights * factors->pair[2u * k];
     CCGEN_OPAQUE(result);
     if (2u * k + 1u < axis->sensors) {
+        /* MISRA 10.1 */
         result += (uint32_t)(ccgen_signed32(weights) >> 16) * factors->pair[2u * k + 1u];
         CCGEN_OPAQUE(result);
     }
@@ -72,21 +73,22 @@ CCGEN_INLINE uint32_t ccgen_clip16(const int32_t value) {
 /** Stores the angle of a whole sum. */
 CCGEN_INLINE void ccgen_store16(const ccgen_axis16_t *const axis, const uint32_t sum,
                                 int16_t *const angle) {
-    uint32_t steps = (uint32_t)(ccgen_signed32(sum) >> axis->shift);
+    uint32_t steps = (uint32_t)(ccgen_signed32(sum) >> axis->shift); /* MISRA 10.1 */
     if (axis->saturates) {
 #if defined(__ARM_FEATURE_SIMD32)
-        const uint32_t clipped = ccgen_clip16(ccgen_signed32(sum) >> axis->shift);
+        const uint32_t clipped = ccgen_clip16(ccgen_signed32(sum) >> axis->shift); /* MISRA 10.1 */
         steps = (uint32_t)__qadd16(ccgen_signed32(clipped), 1);
 #elif CCGEN_HAS_SSAT
-        const uint32_t clipped = ccgen_clip16(ccgen_signed32(sum) >> axis->shift);
+        const uint32_t clipped = ccgen_clip16(ccgen_signed32(sum) >> axis->shift); /* MISRA 10.1 */
+        /* MISRA 10.4 */
         steps = clipped + ((clipped + CCGEN_ANGLE16_LIMIT) >> 31); /* -32768 becomes -32767 */
 #else
         steps = sum >> axis->shift;
-        if (steps > 2u * CCGEN_ANGLE16_LIMIT) {
+        if (steps > 2u * CCGEN_ANGLE16_LIMIT) { /* MISRA 10.4 */
             const uint32_t without = sum - ((uint32_t)CCGEN_ANGLE16_LIMIT << axis->shift);
-            steps = (without >= 0x80000000u) ? 0u : 2u * CCGEN_ANGLE16_LIMIT;
+            steps = (without >= 0x80000000u) ? 0u : 2u * CCGEN_ANGLE16_LIMIT; /* MISRA 10.4 */
         }
-        steps -= CCGEN_ANGLE16_LIMIT;
+        steps -= CCGEN_ANGLE16_LIMIT; /* MISRA 10.4 */
 #endif
     }
     *(uint16_t *)angle = (uint16_t)(steps & 0xFFFFu); /* the unsigned type may alias */

@@ -61,6 +61,7 @@
 #endif
 
 /* Adds the products of sensors a and b, whose weights `word` holds, to the sum in r5; r6 is lost. */
+/* MISRA 20.7 */
 #define CCGEN_THUMB1_PAIR(word, a, b)        \
     ".if %c[sensors] > " #a "\n"             \
     "ldr  r6, " CCGEN_THUMB1_AT(a) "\n"      \
@@ -75,6 +76,7 @@
     ".endif\n"
 
 /* Shifts the sum in r5 by a number of bits that the compiler knows, or that a register holds. */
+/* MISRA 20.7 */
 #define CCGEN_THUMB1_SHIFT(operation)       \
     ".if %c[known]\n"                       \
     ".if %c[bits]\n"                        \

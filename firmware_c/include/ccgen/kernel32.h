@@ -51,6 +51,7 @@ CCGEN_INLINE uint64_t ccgen_axis32_add(const ccgen_axis32_t *const axis, const u
             : "r"(weight), "r"(factors->difference[sensor]));
     return ((uint64_t)high << 32) | low;
 #else
+    /* MISRA 10.8 */
     return sum + (uint64_t)((int64_t)ccgen_signed32(weight) * factors->difference[sensor]);
 #endif
 }
@@ -86,7 +87,7 @@ CCGEN_INLINE uint64_t ccgen_axis32_offset(const ccgen_axis32_t *const axis) {
  */
 CCGEN_INLINE int32_t ccgen_axis32_angle(const ccgen_axis32_t *const axis, const uint64_t sum) {
     if (!axis->saturates) {
-        const uint64_t angle = (uint64_t)(ccgen_signed64(sum) >> axis->shift);
+        const uint64_t angle = (uint64_t)(ccgen_signed64(sum) >> axis->shift); /* MISRA 10.1 */
         return ccgen_signed32((uint32_t)(angle & 0xFFFFFFFFu));
     }
     uint32_t steps = (uint32_t)((sum >> axis->shift) & 0xFFFFFFFFu);

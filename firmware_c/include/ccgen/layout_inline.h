@@ -99,11 +99,11 @@ static inline int32_t ccgen_get_count(const uint8_t *const data, const uint8_t b
     uint32_t word = (uint32_t)data[0] << 16;
     word |= (uint32_t)data[1] << 24;
     if (bytes == 2u) {
-        return (word == 0x80000000u) ? INT32_MIN : (ccgen_signed32(word) >> 16);
+        return (word == 0x80000000u) ? INT32_MIN : (ccgen_signed32(word) >> 16); /* MISRA 10.1 */
     }
     word = (word >> 8) | ((uint32_t)data[2] << 24);
     if (bytes == 3u) {
-        return (word == 0x80000000u) ? INT32_MIN : (ccgen_signed32(word) >> 8);
+        return (word == 0x80000000u) ? INT32_MIN : (ccgen_signed32(word) >> 8); /* MISRA 10.1 */
     }
     return ccgen_signed32((word >> 8) | ((uint32_t)data[3] << 24));
 }
@@ -161,6 +161,7 @@ static inline bool ccgen_layout_signals_valid(const ccgen_layout_t *const layout
  *          most CCGEN_PERIOD_MAX_US. */
 static inline uint32_t ccgen_layout_window_max_us(const ccgen_layout_t *const layout) {
     const bool counter_alone = !layout->fd && !layout->turn;
+    /* MISRA 10.6 */
     const uint32_t cycles = counter_alone ? CCGEN_WINDOW_CYCLES_WITHOUT_TURN : CCGEN_WINDOW_CYCLES;
     const bool fits = layout->cycle_us <= (CCGEN_PERIOD_MAX_US / cycles);
     return fits ? (cycles * layout->cycle_us) : CCGEN_PERIOD_MAX_US;
@@ -266,6 +267,8 @@ static inline ccgen_frame_kind_t ccgen_layout_kind(const ccgen_layout_t *const l
     } else if (index < tip) {
         kind = CCGEN_FRAME_ANGLES;
         first = lengths;
+    } else {
+        /* TIP itself */
     }
     if (slot != NULL) {
         *slot = (uint16_t)(index - first);
@@ -328,6 +331,7 @@ static inline int ccgen_layout_protect(const ccgen_layout_t *const layout, const
     }
     if (!layout->fd) {
         const uint8_t turn =
+            /* MISRA 12.2 */
             (uint8_t)((number * CCGEN_LAYOUT_OVER_COUNTERS) >> CCGEN_LAYOUT_OVER_COUNTERS_BITS);
         counter = (uint8_t)(number - turn * CCGEN_E2E_P01_COUNTERS);
         frame->data[1] =
@@ -370,6 +374,7 @@ static inline int ccgen_layout_check(const ccgen_layout_t *const layout,
     if ((counter < 0) || !ccgen_layout_has_turn(layout)) {
         return counter;
     }
+    /* MISRA 10.8 */
     return (int)((frame->data[1] >> CCGEN_LAYOUT_TURN_SHIFT) * CCGEN_E2E_P01_COUNTERS) + counter;
 }
 

@@ -42,6 +42,7 @@
  * \return 1 to 4, a divisor of `segments`
  */
 CCGEN_INLINE uint16_t ccgen_turn(const uint16_t segments, const uint8_t products) {
+    /* MISRA 10.6 */
     const uint16_t small = !CCGEN_THUMB1 ? 1u : (products <= 3u) ? 4u : (products <= 6u) ? 2u : 1u;
     const uint16_t most = CCGEN_SMALL ? small : 4u;
     if ((most >= 4u) && ((segments % 4u) == 0u)) {

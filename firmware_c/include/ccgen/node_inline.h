@@ -188,6 +188,7 @@ static inline int ccgen_node_publish(const ccgen_layout_t *const layout, ccgen_n
     node->estimates += estimated ? 1u : 0u;
     node->failures += estimated ? 0u : 1u;
     node->missing = (uint16_t)missing;
+    /* MISRA 10.4 */
     node->health.axes = (uint8_t)(estimated ? result : ccgen_health_all_lost(layout));
     node->estimated = estimated;
     node->published = node->snapshot.number;
@@ -273,6 +274,8 @@ CCGEN_INLINE void ccgen_node_settle(const ccgen_layout_t *const layout, ccgen_no
         node->snapshot.faults = node->snapshot.recent;
     } else if (node->handed == CCGEN_HANDED_HEALTH) {
         ccgen_health_sent(layout, &node->health);
+    } else {
+        /* the other frames have no state of their own */
     }
     node->handed = CCGEN_HANDED_NOTHING;
 }

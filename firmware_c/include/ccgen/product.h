@@ -39,7 +39,7 @@ extern "C" {
  * they are functions, each a call of the compiler's own product of 16 bits; one that has the number
  * in 32 bits, for several products, would multiply that.
  */
-#if UINT_MAX < 0xFFFFFFFFu
+#if UINT_MAX < 0xFFFFFFFFu /* MISRA 20.9 */
 CCGEN_PRODUCT int32_t ccgen_halves(const int16_t a, const int16_t b) {
     return CCGEN_CAST(int32_t, a) * b;
 }
@@ -94,8 +94,8 @@ CCGEN_INLINE int32_t ccgen_right(const int32_t a, const uint8_t bits) {
         __asm__(CCGEN_HALVE : "+r"(half));
     }
     return half;
-#elif UINT_MAX < 0xFFFFFFFFu
-    return (bits < 16) ? a >> bits : CCGEN_CAST(int16_t, a >> 16) >> (bits - 16);
+#elif UINT_MAX < 0xFFFFFFFFu /* MISRA 20.9 */
+    return (bits < 16) ? a >> bits : CCGEN_CAST(int16_t, a >> 16) >> (bits - 16); /* MISRA 10.1 */
 #else
     return a >> bits;
 #endif
@@ -208,8 +208,8 @@ CCGEN_PRODUCT int32_t ccgen_product_word(const int32_t a, const int32_t b) {
     /* The upper word alone: one instruction, for b x 2^16 serves all products with b. */
     return CCGEN_CAST(int32_t, (CCGEN_CAST(int64_t, a) * (b * INT32_C(65536))) >> 32);
 #else
-    return ccgen_halves(CCGEN_SIGNED(a >> 16), CCGEN_SIGNED(b)) +
-           (ccgen_halves_mixed(CCGEN_SIGNED(b), CCGEN_UNSIGNED(a)) >> 16);
+    return ccgen_halves(CCGEN_SIGNED(a >> 16), CCGEN_SIGNED(b)) + /* MISRA 10.1 */
+           (ccgen_halves_mixed(CCGEN_SIGNED(b), CCGEN_UNSIGNED(a)) >> 16); /* MISRA 10.1 */
 #endif
 }
 
@@ -327,11 +327,13 @@ CCGEN_PRODUCT int32_t ccgen_product_high(const int32_t a, const int32_t b) {
     const int32_t lowest =
         CCGEN_CAST(int32_t, ccgen_halves_low(CCGEN_UNSIGNED(a), CCGEN_UNSIGNED(b)) >> 16);
     const int32_t first =
-        ccgen_halves_mixed(CCGEN_SIGNED(a >> 16), CCGEN_UNSIGNED(b)) + lowest;
+        ccgen_halves_mixed(CCGEN_SIGNED(a >> 16), CCGEN_UNSIGNED(b)) + lowest; /* MISRA 10.1 */
     const int32_t second =
+        /* MISRA 10.1 */
         ccgen_halves_mixed(CCGEN_SIGNED(b >> 16), CCGEN_UNSIGNED(a)) + (first & 0xFFFF);
+    /* MISRA 10.1 */
     return ccgen_halves(CCGEN_SIGNED(a >> 16), CCGEN_SIGNED(b >> 16)) + (first >> 16) +
-           (second >> 16);
+           (second >> 16); /* MISRA 10.1 */
 #endif
 }
 

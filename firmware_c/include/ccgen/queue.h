@@ -30,7 +30,7 @@
 
 /** Frames that fit: a power of two up to 128. A snapshot has 1 to 16. */
 #if !defined(CCGEN_QUEUE_PLACES)
-#define CCGEN_QUEUE_PLACES 16
+#define CCGEN_QUEUE_PLACES 16u
 #endif
 
 CCGEN_STATIC_ASSERT((CCGEN_QUEUE_PLACES >= 1) && (CCGEN_QUEUE_PLACES <= 128) &&

@@ -115,6 +115,8 @@ static inline int ccgen_sending_begin(const ccgen_layout_t *const layout,
         }
     } else if (!ccgen_sending_is_due(layout, sending, &ahead_us)) {
         return 0;
+    } else {
+        /* it is time */
     }
     sending->silent = false;
     sending->begun_us = sending->now_us;
@@ -131,7 +133,7 @@ static inline int ccgen_sending_begin(const ccgen_layout_t *const layout,
 /** \return a count as a signal of so many bytes; what does not fit is no reading. */
 static inline int32_t ccgen_sending_signal(const int32_t count, const uint8_t bytes) {
     const int32_t narrow = (bytes == 2u) ? (int32_t)INT16_MIN : -INT32_C(0x800000);
-    const int32_t none = (bytes == 4u) ? INT32_MIN : narrow;
+    const int32_t none = (bytes == 4u) ? INT32_MIN : narrow; /* MISRA 10.3 */
     return ((count <= none) || (count > -(none + 1))) ? none : count;
 }
 

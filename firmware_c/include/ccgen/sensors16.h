@@ -42,6 +42,7 @@ CCGEN_INLINE bool ccgen_sensors16_within(const ccgen_sensors16_t *const sensors,
         return true;
     }
     const int32_t minimum = sensors->minimum[j];
+    /* MISRA 10.8 */
     return (uint32_t)(counts[j] - minimum) <= (uint32_t)(sensors->maximum[j] - minimum);
 }
 
@@ -103,7 +104,8 @@ CCGEN_INLINE uint16_t ccgen_outside16(const ccgen_range16_t *const range, const 
                                       const uint8_t sensors) {
     uint32_t mask = 0;
     for (uint8_t j = sensors; j > 0u; --j) {
-        const int16_t value = values[j - 1];
+        const int16_t value = values[j - 1]; /* MISRA 10.4 */
+        /* MISRA 10.4 */
         const bool inside = (value >= range->minimum[j - 1]) && (value <= range->maximum[j - 1]);
         mask = (mask << 1) | (inside ? 0u : 1u);
     }

@@ -102,7 +102,8 @@ CCGEN_INLINE uint16_t ccgen_outside32(const ccgen_range32_t *const range, const 
                                       const uint8_t sensors) {
     uint32_t mask = 0;
     for (uint8_t j = sensors; j > 0u; --j) {
-        const int32_t value = values[j - 1];
+        const int32_t value = values[j - 1]; /* MISRA 10.4 */
+        /* MISRA 10.4 */
         const bool inside = (value >= range->minimum[j - 1]) && (value <= range->maximum[j - 1]);
         mask = (mask << 1) | (inside ? 0u : 1u);
     }

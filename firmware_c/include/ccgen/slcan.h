@@ -28,13 +28,13 @@ extern "C" {
 #endif
 
 /** Longest line without CR: a CAN FD frame with extended identifier and 64 bytes. */
-#define CCGEN_SLCAN_LINE_MAX (1 + 8 + 1 + 2 * CCGEN_FRAME_CAPACITY)
+#define CCGEN_SLCAN_LINE_MAX (1u + 8u + 1u + (2u * CCGEN_FRAME_CAPACITY))
 
 /** A buffer of this size holds any encoded frame. */
-#define CCGEN_SLCAN_ENCODED_MAX (CCGEN_SLCAN_LINE_MAX + 1)
+#define CCGEN_SLCAN_ENCODED_MAX (CCGEN_SLCAN_LINE_MAX + 1u)
 
 /** A buffer of this size holds any answer. */
-#define CCGEN_SLCAN_REPLY_MAX 6
+#define CCGEN_SLCAN_REPLY_MAX 6u
 
 /** State, owned by the caller; zero-initialised it is closed. */
 typedef struct {

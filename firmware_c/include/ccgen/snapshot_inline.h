@@ -176,6 +176,8 @@ static inline int ccgen_snapshot_check_frame(const ccgen_layout_t *const layout,
         ccgen_snapshot_flag(snapshot, &snapshot->corrupted, CCGEN_FAULT_CRC);
     } else if (number < 0) {
         ccgen_snapshot_flag(snapshot, &snapshot->malformed, CCGEN_FAULT_FORMAT);
+    } else {
+        /* it is whole */
     }
     return number;
 }

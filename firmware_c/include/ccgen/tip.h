@@ -17,7 +17,8 @@
  * \return clipped to +-CCGEN_TIP_LIMIT
  */
 CCGEN_INLINE int16_t ccgen_tip_signal(const int32_t position, const uint8_t shift) {
-    const int32_t doubled = position >> (shift - 1u);
+    const int32_t doubled = position >> (shift - 1u); /* MISRA 10.1 */
+    /* MISRA 10.1 */
     const int32_t steps = (doubled >> 1) + (doubled & 1); /* adding the half first may overflow */
     if (steps > CCGEN_TIP_LIMIT) {
         return CCGEN_TIP_LIMIT;
