@@ -25,7 +25,7 @@ from ccgen.fixedpoint.jacobian import JacobianModel
 from ccgen.fixedpoint.jacobian_plan import jacobian_model
 from ccgen.fixedpoint.pose import PoseModel, PoseTask
 from ccgen.fixedpoint.pose_bounds import norm, root, truncations
-from ccgen.fixedpoint.pose_plan import TARGETS, pose_model
+from ccgen.fixedpoint.pose_plan import TARGETS, closest_poses, pose_model
 from ccgen.fixedpoint.pose_storage import jacobian_model as jacobian_of
 from ccgen.fixedpoint.pose_storage import pose_record
 from ccgen.kinematics.symbolic import TurnDegrees, turn_function
@@ -424,6 +424,11 @@ def test_angles_that_reach_too_far_are_refused():
 
 
 @pytest.mark.slow
+def test_angles_whose_series_does_not_end_in_time_are_refused_too():
+    with pytest.raises(FormatError, match=r"for angles up to 4 rad; use fewer segments or"):
+        closest_poses(PoseTask((3,), 0.1, 16, (13, 13), 2.0))
+
+
 def test_a_chain_that_is_too_long_for_its_precision_is_refused():
     with pytest.raises(FormatError) as caught:
         pose_model(PoseTask((64,), 0.1, 32, (30, 30), 1.9))

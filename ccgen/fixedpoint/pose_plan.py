@@ -36,6 +36,9 @@ TARGETS = {16: 4e-6, 32: 5e-7}
 LAXEST = 64
 """Times the error that plans are made for: still below half a step of the TIP frame's signals."""
 
+MOST_TERMS = 24
+"""Most terms of a turn's series together; more cancel more bits than they bring."""
+
 CHORD_REACH = Fraction(101, 100)
 """Longest chord of a segment of length 1, rounding and all."""
 
@@ -91,11 +94,7 @@ def pose_model(task: PoseTask, target: float | None = None) -> PoseModel:
             bounds = _bounds(task, turn, place, degrees)
             if bounds and bounds[0].position <= target * task.length:
                 return PoseModel(task, turn, place, *bounds)
-    raise FormatError(
-        f"no plan of 32 bits has poses of {task.segments} segments within {target:g} of the length "
-        f"for angles up to {float(task.full_angle):.3g} rad; use fewer segments or "
-        "a smaller range of motion"
-    )
+    raise _no_plan(task, target)
 
 
 def _degrees(task: PoseTask, share: float) -> TurnDegrees:
@@ -114,14 +113,26 @@ def _degrees(task: PoseTask, share: float) -> TurnDegrees:
 
     degrees = TurnDegrees(1, 0, 0)
     while excess(degrees) > 1:
+        if degrees.alpha + degrees.kappa + degrees.eta >= MOST_TERMS:
+            raise _no_plan(task, 3 * share)
         longer = min(
             replace(degrees, alpha=degrees.alpha + 1),
             replace(degrees, kappa=degrees.kappa + 1),
             key=excess,
         )
+        other = replace(degrees, eta=degrees.eta + 1)
+        # Where angles are wide, a term more may err by more until the next one is there as well.
         helps = excess(longer) < Fraction(9, 10) * excess(degrees)
-        degrees = longer if helps else replace(degrees, eta=degrees.eta + 1)
+        degrees = longer if helps or excess(other) >= excess(degrees) else other
     return degrees
+
+
+def _no_plan(task: PoseTask, target: float) -> FormatError:
+    return FormatError(
+        f"no plan of 32 bits has poses of {task.segments} segments within {target:g} of the length "
+        f"for angles up to {float(task.full_angle):.3g} rad; use fewer segments or "
+        "a smaller range of motion"
+    )
 
 
 def _turn(
