@@ -195,7 +195,7 @@ HEALTH = of(
         "ccgen_health_states(layout, CCGEN_AXIS_LOST, CCGEN_AXIS_LOST)",
     ),
     ("(layout->rows[axis] > 0u) ? there", "(axis < 2u) ? there"),
-    ("(CCGEN_HEALTH_BITS * axis)", "(CCGEN_HEALTH_BITS * axis + 1u)"),
+    ("(CCGEN_HEALTH_BITS * (uint32_t)axis)", "(CCGEN_HEALTH_BITS * axis + 1u)"),
     ("    health->zero = CCGEN_ZERO_MODEL;\n", "    health->zero = CCGEN_ZERO_CAPTURED;\n"),
     ("    health->counter = 0;\n", "    health->counter = 1;\n"),
     ("    health->due = true;\n", "    health->due = false;\n"),
