@@ -175,6 +175,22 @@ def test_a_block_that_is_held_out_teaches_nothing_and_still_has_its_states(tmp_p
     assert apart(it.state[400:], state[400:]) < 0.4
 
 
+def test_without_a_block_sensors_are_learned_anew_in_the_frame_of_the_whole(tmp_path, monkeypatch):
+    def spoil(columns):
+        columns["count_u1"][300:400] += 100
+
+    written(tmp_path)
+    whole = made(tmp_path, ("run.csv", KEYS))
+    monkeypatch.setattr("ccgen.recordings.bodies.sighted", None)  # a frame is not sought again
+    (it,) = made(tmp_path, ("run.csv", KEYS), without_block=3, whole=whole)
+    written(tmp_path, change=spoil)
+    (spoilt,) = made(tmp_path, ("run.csv", KEYS), without_block=3, whole=whole)
+    for name in ("gain", "zero", "noise", "delay_s", "state"):
+        np.testing.assert_array_equal(getattr(spoilt, name), getattr(it, name))
+    assert (it.gain != whole[0].gain).any()
+    assert np.isnan(it.state[300:400]).all()
+
+
 def test_a_recording_to_score_with_takes_what_was_learned(tmp_path):
     state = written(tmp_path)
     written(tmp_path, "other.csv", seed=4)

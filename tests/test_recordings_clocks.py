@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ccgen.recordings.clocks import averaged, sampled, white_noise
+from ccgen.recordings.clocks import averaged, estimated_delay, sampled, white_noise
 
 T = np.arange(400) * 0.01
 SWING = np.sin(2.0 * T)
@@ -49,3 +49,11 @@ def test_a_mean_of_two_rows_keeps_part_of_their_noise():
         assert np.var(found) == pytest.approx(kept, rel=0.1)
     assert averaged(t, t) == 1.0
     assert white_noise(noise)[0] == pytest.approx(1.0, rel=0.1)
+
+
+def test_a_delay_that_is_nearly_known_is_found_as_one_that_is_not():
+    lagging = np.sin(2.0 * (T - 0.073))[:, None]
+    anywhere = estimated_delay(T, SWING[:, None], T, lagging)
+    near = estimated_delay(T, SWING[:, None], T, lagging, near=0.05)
+    assert anywhere.seconds == pytest.approx(0.073, abs=2e-3)
+    assert near == anywhere

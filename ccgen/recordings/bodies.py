@@ -3,6 +3,9 @@
 Few bodies do not determine many segments: bodies and readings together, with what all rows share,
 say most of it (`ccgen.recordings.pooled`); what is left open stays with the prior and shows in the
 covariance. What is shared is learned from some of the rows; shapes come of all of them.
+
+How a body sits on the joint is constant over its recording and says nothing of the sensors: with a
+block of rows held out, frames stay those of the whole recording, which the block is judged in too.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,10 +18,10 @@ from numpy.typing import NDArray
 
 from ccgen.joint.specification import Geometry
 from ccgen.recordings.fine import Fine, fine
-from ccgen.recordings.frames import mean_frame, mounted, sighted
+from ccgen.recordings.frames import mean_frame, mounted, no_spread, sighted
 from ccgen.recordings.gains import Calibration, Sensed, borrowed, stretch_zero
 from ccgen.recordings.learning import independent_rows, shapes, states
-from ccgen.recordings.lengths import expected_changes, read_lengths
+from ccgen.recordings.lengths import Read, expected_changes, read_lengths
 from ccgen.recordings.likelihood import Evidence, Lengths, Parameters, Posterior
 from ccgen.recordings.modes import Model, joint_model
 from ccgen.recordings.pooled import Part, Shared, pooled, usual, with_twist
@@ -37,8 +40,6 @@ Floats = NDArray[np.float64]
 
 _APPROACH = ((FAR, 4), (CLOSER, 1), (NEAR, 2))
 """How often shapes are sought anew from the straight joint on, by how well they are known."""
-_APPROACH_ANEW = ((NEAR, 2),)
-"""From shapes on that were found with a few more rows to learn from."""
 _TURNS, _TURNS_ANEW = 3, 1
 """How often shapes by bodies and readings are sought anew."""
 _MANY = 8
@@ -74,14 +75,15 @@ def body_references(
     sensors = recorded_sensors(joint)
     sensors = replace(sensors, matrix=sensors.matrix @ cut.gather)
     model = joint_model(cut.geometry, joint.loads, _rough(recordings))
-    starts = [_states(one) for one in whole] or [None] * len(recordings)
     telling: dict[int, Part] = {}
     steps = 2 * len(recordings) + 1
     for i, recording in enumerate(recordings):
         report("shapes of bodies", i, steps)
         if recording.file.use == "fit":
-            telling[i] = _part(
-                cut.geometry, recording, model, sensors, without_block, start=starts[i]
+            telling[i] = (
+                _part_anew(whole[i], recording, sensors, without_block)
+                if whole
+                else _part(cut.geometry, recording, model, sensors)
             )
     report("shapes of bodies", len(recordings), steps)
     before = next((one.learned for one in whole if one.learned is not None), None)
@@ -101,16 +103,11 @@ def body_references(
         elif whole:
             made.append(whole[i])
         else:
-            part = _part(cut.geometry, recording, model, sensors, None, settled)
+            part = _part(cut.geometry, recording, model, sensors, settled)
             sensed = _borrowed(part, shared, common, sensors)
             made.append(_reference(part, shared, sensed, sensors, cut))
     report("shapes of bodies", steps, steps)
     return tuple(made)
-
-
-def _states(reference: Reference) -> Floats | None:
-    """Most probable states with their twist, shape (N, p)."""
-    return None if reference.sighting is None else reference.sighting.state
 
 
 def _rough(recordings: Sequence[Recording]) -> bool:
@@ -124,20 +121,17 @@ def _part(
     recording: Recording,
     model: Model,
     sensors: RecordedSensors,
-    without_block: int | None,
     others: Sequence[Part] = (),
-    start: Floats | None = None,
 ) -> Part:
     """Lay a recording's bodies and readings beside each other, with shapes by the bodies alone.
 
     Args:
         others: recordings to fit to, from which one to score with takes what is fixed to bodies.
-        start: states that are nearly right, shape (N, p).
     """
     sights, frame, spread = sighted(recording, geometry)
-    allowed = learned_rows(recording, without_block)
-    seen = np.flatnonzero(allowed & sights.seen)
-    share = _independent(sights.position[seen].reshape(len(seen), -1)) / max(len(seen), 1)
+    allowed = learned_rows(recording, None)
+    seen, independent = _telling(sights, allowed)
+    share = independent / max(len(seen), 1)
     alike = [o for o in others if o.sights.names == sights.names and not o.spread.certain]
     if alike and not spread.certain:
         frame = mean_frame([other.frame for other in alike])
@@ -150,21 +144,49 @@ def _part(
             frame = mounted(some, frame, states)
         some, frame = refined(some, frame, spread, usual(model), share, noisy=unstated(recording))
         sights = some.noise_of(sights)
-    if start is None or recording.counts is not None:
-        state = _by_bodies(sights, frame, model, _nothing_learned(model), start)
-    else:
-        state = start
-    read = None
-    if recording.counts is not None:
-        expected = expected_changes(state[:, :-1], sensors.matrix)
-        expected[~sights.seen] = np.nan
-        read = read_lengths(recording, sensors, expected, allowed)
-    return Part(recording, sights, frame, spread, seen, share * len(seen), state, read)
+    state = _by_bodies(sights, frame, model, _nothing_learned(model))
+    read = _read(recording, sights, state, sensors, allowed)
+    return Part(recording, sights, frame, spread, seen, independent, state, read)
 
 
-def _independent(signals: Floats) -> float:
+def _part_anew(
+    whole: Reference, recording: Recording, sensors: RecordedSensors, without_block: int | None
+) -> Part:
+    """The same of a reference that was found, to learn of its sensors and shapes from fewer rows.
+
+    Frame, noise of bodies and shapes by bodies alone stay those of the whole recording.
+    """
+    known = whole.sighting
+    assert known is not None
+    allowed = learned_rows(recording, without_block)
+    seen, independent = _telling(known.sights, allowed)
+    read = _read(recording, known.sights, known.alone, sensors, allowed, whole.delay_s)
+    spread = no_spread(len(known.sights.names))
+    return Part(recording, known.sights, known.frame, spread, seen, independent, known.alone, read)
+
+
+def _telling(sights: Sights, allowed: NDArray[np.bool_]) -> tuple[NDArray[np.intp], float]:
+    """Rows with bodies in sight, from which may be learned, and as how many those count."""
+    seen = np.flatnonzero(allowed & sights.seen)
+    signals = sights.position[seen].reshape(len(seen), -1)
     known = signals[:, ~np.isnan(signals).all(axis=0)]
-    return independent_rows(known) if known.size else 1.0
+    return seen, independent_rows(known) if known.size else 1.0
+
+
+def _read(
+    recording: Recording,
+    sights: Sights,
+    state: Floats,
+    sensors: RecordedSensors,
+    allowed: NDArray[np.bool_],
+    near: float | None = None,
+) -> Read | None:
+    """What sensors read beside shapes by the bodies alone; None without counts."""
+    if recording.counts is None:
+        return None
+    expected = expected_changes(state[:, :-1], sensors.matrix)
+    expected[~sights.seen] = np.nan
+    return read_lengths(recording, sensors, expected, allowed, near)
 
 
 def _nothing_learned(model: Model) -> Parameters:
@@ -172,21 +194,19 @@ def _nothing_learned(model: Model) -> Parameters:
     return Parameters(compliances, sizes, np.zeros(0), np.zeros((1, 0)))
 
 
-def _by_bodies(
-    sights: Sights, frame: Frame, model: Model, at: Parameters, start: Floats | None = None
-) -> Floats:
+def _by_bodies(sights: Sights, frame: Frame, model: Model, at: Parameters) -> Floats:
     """Most probable states by the bodies alone, twist included, shape (N, p)."""
     N, p = len(sights), len(model.basis)
     none = np.zeros(0)
     at = replace(at, gain=none, zero=np.zeros((1, 0)))
-    state = np.zeros((N, p)) if start is None else start.copy()
+    state = np.zeros((N, p))
     for rows in _pieces(N):
         some, own = sights.rows(rows), state[rows]
         nothing = Lengths(
             np.zeros((len(some), 0)), np.zeros((0, p)), np.zeros(len(some), dtype=np.intp),
             none, none, np.zeros((1, 0)), np.zeros((1, 0)), none,
         )  # fmt: skip
-        for nearness, turns in _APPROACH if start is None else _APPROACH_ANEW:
+        for nearness, turns in _APPROACH:
             sight = partial(evidence, replace(some, nearness=nearness), frame)
             own = states(sight, model, nothing, at, own, turns)
         state[rows] = own
@@ -243,7 +263,12 @@ def _reference(
         notes=recording.notes + _said(part, posterior),
         compliance=shared.compliance if recording.file.use == "fit" else None,
         sighting=Sighting(
-            part.sights, part.frame, posterior.state, posterior.with_doubt(_BETWEEN), cut.coarse
+            part.sights,
+            part.frame,
+            part.state,
+            posterior.state,
+            posterior.with_doubt(_BETWEEN),
+            cut.coarse,
         ),
         learned=shared.learned,
     )
@@ -261,8 +286,8 @@ def _anew(
     """A reference found again without some rows: what weights are fitted to, and no more."""
     read = part.read
     known = None if read is None else sensed
-    begin = _states(whole)
-    assert begin is not None
+    assert whole.sighting is not None
+    begin = whole.sighting.state
     state = np.full(whole.state.shape, np.nan)
     chosen = np.flatnonzero(allowed)
     for some in _pieces(len(chosen)):

@@ -7,6 +7,7 @@ a fraction of a sample shows.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ LARGEST_DELAY = 2.0
 
 _GRID_ROWS = 3000
 _MOST_STEPS = 400
+_NEAR = 10
+"""Steps of the grid to either side of a delay that is nearly known."""
 _TURNS = 8
 _FEWEST = 20
 """Readings of a sensor without which it says nothing of the delay."""
@@ -58,17 +61,48 @@ def sampled(t: Floats, values: Floats, at: Floats, stands_for: Floats | None = N
     """
     if at is t or np.array_equal(at, t):
         return values
-    steps = np.diff(t)
-    left, share = _between(t, at)
-    right, step = left + 1, steps[left]
-    inside = (at >= t[0]) & (at <= t[-1])
-    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-    inside &= (step <= _WIDEST_GAP * usual) | (share == 0) | (share == 1)
-    low, high = values[left], values[right]
-    mixed = (1 - share)[:, None] * low + share[:, None] * high
-    mixed = np.where((share == 0)[:, None], low, np.where((share == 1)[:, None], high, mixed))
-    cut = _cut(t, values, at, at if stands_for is None else stands_for)
-    return np.asarray(np.where(inside[:, None] & ~cut, mixed, np.nan))
+    return _Track(t, values).sampled(at, at if stands_for is None else stands_for)
+
+
+@dataclass(frozen=True, eq=False)
+class _Track:
+    """Values on their clock, arguments as of `sampled`; gaps and jumps are sought once."""
+
+    t: Floats
+    values: Floats
+
+    def sampled(self, at: Floats, stands_for: Floats) -> Floats:
+        """Values at other times, as `sampled` tells."""
+        t, values = self.t, self.values
+        left, share = _between(t, at)
+        step = np.diff(t)[left]
+        inside = (at >= t[0]) & (at <= t[-1])
+        inside &= (step <= self._widest) | (share == 0) | (share == 1)
+        low, high = values[left], values[left + 1]
+        mixed = (1 - share)[:, None] * low + share[:, None] * high
+        mixed = np.where((share == 0)[:, None], low, np.where((share == 1)[:, None], high, mixed))
+        known = inside[:, None] & ~self._cut(at, stands_for)
+        return np.asarray(np.where(known, mixed, np.nan))
+
+    @cached_property
+    def _widest(self) -> float:
+        """Seconds between rows across which there is no interpolation."""
+        return _WIDEST_GAP * _usual_step(self.t)
+
+    @cached_property
+    def _jumps(self) -> list[NDArray[np.intp]]:
+        """The row before each jump, by column."""
+        jump = _jumps(self.values)
+        return [np.flatnonzero(own[:-1] & own[1:]) for own in jump.T]
+
+    def _cut(self, one: Floats, other: Floats) -> NDArray[np.bool_]:
+        """Whether a jump lies in between of two times, shape (K, n)."""
+        low, high = np.minimum(one, other), np.maximum(one, other)
+        found = np.zeros((len(one), self.values.shape[1]), dtype=np.bool_)
+        for j, at in enumerate(self._jumps):
+            begun = np.searchsorted(self.t[at], high, "left")
+            found[:, j] = begun > np.searchsorted(self.t[at + 1], low, "right")
+        return found
 
 
 def averaged(t: Floats, at: Floats) -> float:
@@ -102,21 +136,6 @@ def _between(t: Floats, at: Floats) -> tuple[NDArray[np.intp], Floats]:
     return left, np.asarray(share)
 
 
-def _cut(t: Floats, values: Floats, one: Floats, other: Floats) -> NDArray[np.bool_]:
-    """Whether a jump lies in between of two times, shape (K, n)."""
-    low, high = np.minimum(one, other), np.maximum(one, other)
-    jump = _jumps(values)
-    found = np.zeros((len(one), values.shape[1]), dtype=np.bool_)
-    for j, own in enumerate(jump.T):
-        at = np.flatnonzero(own[:-1] & own[1:])
-        begun, ended = (
-            np.searchsorted(t[at], high, "left"),
-            np.searchsorted(t[at + 1], low, "right"),
-        )
-        found[:, j] = begun > ended
-    return found
-
-
 def _jumps(values: Floats) -> NDArray[np.bool_]:
     """Where the slope changes far more than it does elsewhere, shape of `values`."""
     found = np.zeros(values.shape, dtype=np.bool_)
@@ -130,7 +149,9 @@ def _jumps(values: Floats) -> NDArray[np.bool_]:
     return found
 
 
-def estimated_delay(t: Floats, expected: Floats, read_at: Floats, lengths: Floats) -> Delay | None:
+def estimated_delay(
+    t: Floats, expected: Floats, read_at: Floats, lengths: Floats, near: float | None = None
+) -> Delay | None:
     """Find by how much the sensors lag.
 
     Args:
@@ -138,6 +159,7 @@ def estimated_delay(t: Floats, expected: Floats, read_at: Floats, lengths: Float
         expected: change of each sensor's length by the reference, shape (N, n); NaN where unknown.
         read_at: clock of the sensors, shape (K,), seconds.
         lengths: what they read, shape (K, n); NaN where there is none.
+        near: seconds about which it is sought; None for everywhere.
 
     Returns:
         None where no sensor tells enough.
@@ -150,9 +172,15 @@ def estimated_delay(t: Floats, expected: Floats, read_at: Floats, lengths: Float
         return None
     every = max(1, len(read_at) // _GRID_ROWS)
     grid = np.arange(-np.floor(span / step), np.floor(span / step) + 1) * step
+    if near is not None:
+        grid = grid[np.abs(grid - near) <= _NEAR * step]
     slope = np.gradient(expected, np.maximum.accumulate(t + 1e-9 * np.arange(len(t))), axis=0)
     chosen = slice(None, None, every)
-    misfits = [_misfit(sampled(t, expected, read_at[chosen] - d), lengths[chosen]) for d in grid]
+    track, turned = _Track(t, expected), _Track(t, slope)
+    misfits = []
+    for d in grid:
+        at = read_at[chosen] - d
+        misfits.append(_misfit(track.sampled(at, at), lengths[chosen]))
     if not np.isfinite(misfits).any():
         return None
     delay = float(grid[np.nanargmin(misfits)])
@@ -160,7 +188,7 @@ def estimated_delay(t: Floats, expected: Floats, read_at: Floats, lengths: Float
     std = np.inf
     for _ in range(_TURNS):
         at = read_at - delay
-        known = sampled(t, expected, at), sampled(t, slope, at)
+        known = track.sampled(at, at), turned.sampled(at, at)
         change, information = _step(*known, lengths)
         if not information > 0:
             return None

@@ -74,6 +74,12 @@ class Spread:
         return not any(part.any() for part in parts)
 
 
+def no_spread(bodies: int) -> Spread:
+    """The spread of a frame that was found before."""
+    none, each = np.zeros(3), np.zeros((bodies, 3))
+    return Spread(none, none, each, each, none)
+
+
 @dataclass(frozen=True, eq=False)
 class _Base:
     """Axes (1 or N, 3, 3) and origin (1 or N, 3) of the joint's base as first seen."""

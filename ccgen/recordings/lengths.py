@@ -69,7 +69,11 @@ def expected_changes(states: Floats, matrix: Floats) -> Floats:
 
 
 def read_lengths(
-    recording: Recording, sensors: RecordedSensors, expected: Floats, learned: Flags
+    recording: Recording,
+    sensors: RecordedSensors,
+    expected: Floats,
+    learned: Flags,
+    near: float | None = None,
 ) -> Read:
     """Lay what sensors read beside a reference.
 
@@ -78,11 +82,12 @@ def read_lengths(
         sensors: those of the joint.
         expected: changes of length by the reference, shape (N, n), metres; NaN where unknown.
         learned: from which rows a delay may be learned, shape (N,).
+        near: seconds about which a delay is sought; None for everywhere.
     """
     counts = recording.counts
     assert counts is not None
     lengths = counts.values * sensors.metres_per_count
-    delay = _delay(recording, lengths, np.where(learned[:, None], expected, np.nan))
+    delay = _delay(recording, lengths, np.where(learned[:, None], expected, np.nan), near)
     stuck = _stuck(counts.values, lengths, sampled(recording.t, expected, counts.t - delay.seconds))
     lengths = np.where(stuck, np.nan, lengths)
     at = recording.t + delay.seconds if delay.seconds else recording.t
@@ -92,14 +97,14 @@ def read_lengths(
     return Read(sampled(counts.t, lengths, at, own), delay, stuck.sum(axis=0), sensors.names, lost)
 
 
-def _delay(recording: Recording, lengths: Floats, expected: Floats) -> Delay:
+def _delay(recording: Recording, lengths: Floats, expected: Floats, near: float | None) -> Delay:
     stated, counts = recording.file.delay, recording.counts
     assert counts is not None
     if stated is not None:
         return Delay(stated, 0.0)
     if not recording.timed:
         return Delay(0.0, 0.0)
-    found = estimated_delay(recording.t, expected, counts.t, lengths)
+    found = estimated_delay(recording.t, expected, counts.t, lengths, near)
     if found is None:
         return Delay(0.0, np.inf)
     # On a common clock interpolation would only smooth the noise that there is.

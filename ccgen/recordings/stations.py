@@ -45,13 +45,15 @@ class Sighting:
     Attributes:
         sights: the bodies.
         frame: from where they were recorded to the joint.
-        state: most probable, twist included, shape (N, p).
+        alone: most probable states by the bodies alone, twist included, shape (N, p).
+        state: most probable with all that is known, shape (N, p).
         covariance: of that, as it counts for bends between stations, shape (N, p, p).
         geometry: of the joint as estimates know it; `state` may be of finer segments.
     """
 
     sights: Sights
     frame: Frame
+    alone: Floats
     state: Floats
     covariance: Floats
     geometry: Geometry
