@@ -84,6 +84,7 @@ benchmark: $(VENV)/.test-installed
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check -e .
+	$(BIN)/python -m compileall -q ccgen
 	@touch $@
 
 $(VENV)/.test-installed: pyproject.toml
