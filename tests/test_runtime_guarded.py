@@ -92,17 +92,33 @@ def test_without_fallbacks_an_axis_is_lost_with_its_first_sensor_and_the_other_g
 
 @pytest.mark.parametrize(("precision", "count"), [(16, 8), (32, 8)])
 @pytest.mark.parametrize("sensor", [1, 9])
-def test_a_sensor_that_slips_is_left_out_and_comes_back_as_in_the_model(precision, count, sensor):
+@pytest.mark.parametrize("metres", [0.002, -0.006])
+def test_a_sensor_that_slips_is_left_out_and_comes_back_as_in_the_model(
+    precision, count, sensor, metres
+):
     joint = built(precision, count)
     fit, exported, _ = joint
     assert exported.guarded.groups
     counts = counted(fit, read_by(fit, 120, seed=5))
-    counts[30:70, sensor] += round(0.002 / fit.joint.sensors[sensor].metres_per_count)
+    counts[30:70, sensor] += round(metres / fit.joint.sensors[sensor].metres_per_count)
+    assert not exported.guarded.missing(counts).any()
     counts[100:104, 2] = NONE[precision]
     found, followed = estimated(joint, counts)
     assert_equal(found, followed)
     assert followed.suspected[30 + OUT_AFTER : 70, sensor].all()
     assert (followed.states[70 + BACK_AFTER : 100] == GOOD).mean() > 0.9
+
+
+def test_a_slip_that_leaves_the_range_now_and_then_degrades_its_axis_all_the_same():
+    fit, exported, _ = joint = built(16, 8)
+    counts = counted(fit, read_by(fit, 120, seed=5))
+    counts[30:70, 9] += round(0.006 / fit.joint.sensors[9].metres_per_count)
+    missing = exported.guarded.missing(counts)[30:70, 9]
+    assert 0 < missing.sum() < 10
+    found, followed = estimated(joint, counts)
+    assert_equal(found, followed)
+    assert (followed.states[30:70, 1] == DEGRADED).all()
+    assert followed.suspected[30:70, 9][~missing].mean() > 0.9
 
 
 @pytest.mark.parametrize("seed", range(4))
