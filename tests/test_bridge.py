@@ -9,10 +9,11 @@ from types import SimpleNamespace
 import can
 import numpy as np
 import pytest
+from joint_files import joint_text
 from rich.console import Console
 from waiting import PATIENCE
 
-from ccgen.can.bridge import simulated_stream
+from ccgen.can.bridge import bridge, simulated_stream
 from ccgen.can.exchange import Answer
 from ccgen.can.transports.library import library_node
 from ccgen.cli import bridge_display
@@ -265,3 +266,46 @@ def test_an_axis_without_reading_is_shown_so(stream):
     with console.capture() as shown:
         console.print(bridge_display._table(stream, "virtual", answer, 2.0))
     assert "no reading" in shown.get()
+
+
+LOADS = """
+[loads]
+samples = 100
+stiffness = 0.05
+stiffness_profile = [2.0, 1.0, 1.0, 2.0]
+actuation = [-40.0, 40.0]
+contact = [0.0, 0.5]
+contact_from = 0.05
+"""
+
+
+@pytest.fixture(scope="module")
+def loaded(tmp_path_factory):
+    """An exported joint that states its loads and holds its sensors against each other."""
+    directory = tmp_path_factory.mktemp("loaded")
+    text = joint_text(
+        segments=8, count=4, range_of_motion=8.0, transducer="noise = 5e-5", tables=LOADS
+    )
+    (directory / "joint.toml").write_text(text)
+    export(directory / "joint.toml", directory / "folder")
+    return directory / "folder"
+
+
+def test_no_sound_sensor_of_a_joint_with_loads_is_suspected(loaded, tmp_path):
+    exported = open_exported(loaded)
+    joint, guarded = exported.joint, exported.guarded
+    assert guarded.groups
+    sent = simulated_stream(joint, guarded, None, "loads", 300.0, 10.0)
+    stream = replace(sent, rate_hz=None)
+    with library_node(compile_shared(loaded, tmp_path), exported.layout) as bus:
+        summary = bridge(bus, exported.codec, stream, "virtual")
+    assert (summary.answered, summary.mismatches, summary.degraded_snapshots) == (3000, 0, 0)
+    assert summary.suspected == ()
+    assert "SUSPECTED" not in summary.faults
+    cases = simulated_stream(joint, guarded, score_library(joint), "cases", 300.0, 10.0)
+    assert guarded.follow(cases.counts).states.any()  # which these loads do not bend it to
+
+
+def test_a_joint_with_loads_is_moved_by_them(loaded, capsys):
+    assert ccgen("bridge", str(loaded), "--seconds", "0.1", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["source"] == "loads"

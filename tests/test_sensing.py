@@ -7,8 +7,8 @@ from joint_files import joint_text
 from ccgen.fixedpoint import AxisModel
 from ccgen.joint.file import parse_joint
 from ccgen.sensing.counts import corner_counts, counts, random_counts
-from ccgen.sensing.motion import SOURCES, case_motion, motion, sweep_motion
-from ccgen.shapes import ShapeLibrary, unstretched
+from ccgen.sensing.motion import SOURCES, case_motion, loads_motion, motion, sweep_motion
+from ccgen.shapes import ShapeLibrary, Shapes, unstretched
 
 SEGMENTS, ROM = 12, np.radians(3.0)
 SPANS = ((0, 4), (3, 8), (7, 11))
@@ -81,6 +81,22 @@ def test_the_sweep_reaches_full_range_and_bends_all_segments_alike():
     bend = np.hypot(shapes.u, shapes.v)
     assert bend.max() == pytest.approx(ROM)
     np.testing.assert_array_equal(np.ptp(shapes.u, axis=1), 0)
+
+
+def test_a_motion_through_loads_rests_at_every_shape_and_keeps_between_them():
+    random = np.random.default_rng(1)
+    bends = random.uniform(-ROM, ROM, (2, 16, SEGMENTS))
+    drawn = Shapes(*bends, random.uniform(0.0, 0.1, (16, 2)), ("loads",) * 16)
+    shapes = loads_motion(drawn, np.arange(2048) / 1024, seed=4)
+    for values, own in ((shapes.u, drawn.u), (shapes.v, drawn.v), (shapes.h, drawn.h)):
+        assert {tuple(row) for row in values[::128]} == {tuple(row) for row in own}
+        assert (values >= own.min(axis=0) - 1e-15).all()
+        assert (values <= own.max(axis=0) + 1e-15).all()
+        assert np.abs(np.diff(values, axis=0)).max() < 0.016 * np.ptp(own)
+        np.testing.assert_allclose(values[1::128], values[::128], atol=4e-4 * np.ptp(own))
+    again = loads_motion(drawn, np.arange(2048) / 1024, seed=4)
+    np.testing.assert_array_equal(again.u, shapes.u)
+    assert (loads_motion(drawn, np.arange(2048) / 1024, seed=5).u != shapes.u).any()
 
 
 def test_an_unknown_source_is_refused():

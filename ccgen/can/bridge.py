@@ -103,7 +103,7 @@ class Stream:
 def simulated_stream(
     joint: Joint,
     guarded: GuardedModel,
-    library: ShapeLibrary,
+    library: ShapeLibrary | None,
     source: str,
     seconds: float,
     rate_hz: float,
@@ -112,8 +112,8 @@ def simulated_stream(
 
     Args:
         joint, guarded: of the exported folder.
-        library: shapes of the joint.
-        source: one of `ccgen.sensing.motion.SOURCES`.
+        library: shapes of the joint; None for its loads.
+        source: one of `ccgen.sensing.motion.SOURCES`, or its `LOADS`.
         seconds: how long the stream lasts; at least one snapshot is sent.
         rate_hz: snapshots a second.
     """

@@ -49,14 +49,15 @@ def bridge(
         ),
     ] = None,
     source: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--source",
             metavar="MOTION|FILE",
-            help="What moves the joint: cases, random, sweep, or the counts of a file, a log of "
-            "the bus (.log, .asc, .blf, .csv) or a recording's CSV.",
+            help="What moves the joint: cases, random, sweep, loads that it states, or the counts "
+            "of a file, a log of the bus (.log, .asc, .blf, .csv) or a recording's CSV.  "
+            "[default: loads, or cases where the joint states none]",
         ),
-    ] = "cases",
+    ] = None,
     seconds: Annotated[
         float | None,
         typer.Option(
@@ -125,9 +126,11 @@ def bridge(
     from ccgen.cli.bridge_display import display
     from ccgen.cli.bridge_lines import snapshot_lines
     from ccgen.cli.logged import open_log
+    from ccgen.sensing.motion import LOADS
 
     with opened(path) as exported, open_log(log, source) as taken:
-        stream = _stream(exported, source, seconds, rate, speed, fault or [])
+        moved = source or ("cases" if exported.joint.loads is None else LOADS)
+        stream = _stream(exported, moved, seconds, rate, speed, fault or [])
         where = target or (f"{interface} {channel}" if channel else interface)
         lines = snapshot_lines(exported, taken) if json_lines else nullcontext(taken)
         node = _node(exported, interface, channel, target)
@@ -161,16 +164,18 @@ def _stream(
 
     from ccgen.can import bridge as stage
     from ccgen.sensing.injected import read_fault
-    from ccgen.sensing.motion import SOURCES
+    from ccgen.sensing.motion import LOADS, SOURCES
     from ccgen.shapes import score_library
 
     joint, guarded, layout = exported.joint, exported.guarded, exported.layout
     injected = [read_fault(text, joint) for text in faults]
-    if source in SOURCES:
+    if source == LOADS and joint.loads is None:
+        raise InputError(f"--source: {joint.name} states no loads; state [loads] or give cases")
+    if source in (*SOURCES, LOADS):
         if speed is not None:
             raise InputError(f"--speed: is for files; {source} takes --rate")
         rate_hz = rate or 1000.0 / joint.can.cycle_ms
-        library = score_library(joint)
+        library = None if source == LOADS else score_library(joint)
         length = 10.0 if seconds is None else seconds
         stream = stage.simulated_stream(joint, guarded, library, source, length, rate_hz)
         times = np.arange(len(stream.counts)) / rate_hz
@@ -178,7 +183,9 @@ def _stream(
     if rate is not None:
         raise InputError("--rate: is for motions; a file takes --speed 1 or --speed max")
     if not Path(source).exists():
-        raise InputError(f"--source: {source} is neither a file nor one of {', '.join(SOURCES)}")
+        raise InputError(
+            f"--source: {source} is neither a file nor one of {', '.join((*SOURCES, LOADS))}"
+        )
     replay = _replay(exported, Path(source)).until(seconds)
     warn(replay.notes)
     stream = stage.replayed_stream(joint, guarded, source, replay, speed is not Speed.MAX)

@@ -7,37 +7,58 @@ from numpy.typing import NDArray
 
 from ccgen.joint import Joint
 from ccgen.shapes import ShapeLibrary, Shapes, unstretched
+from ccgen.shapes.loads.library import loads_library
 
 Floats = NDArray[np.float64]
 
 SOURCES = ("cases", "random", "sweep")
 """Names of the motions that `motion` knows."""
+LOADS = "loads"
+"""Name of the motion through shapes under the loads that a joint states."""
 
 _MODES = 4
 """Cosine modes of a random shape, each half as strong as the one before."""
+_STOPS = 8
+"""Shapes under drawn loads that a round of the motion passes."""
 
 
 def joint_motion(
-    joint: Joint, source: str, library: ShapeLibrary, count: int, period: int, seed: int = 0
+    joint: Joint, source: str, library: ShapeLibrary | None, count: int, period: int, seed: int = 0
 ) -> Shapes:
     """States of `count` snapshots of a joint: an axis that it leaves out stays, sections stretch.
 
-    Each section elongates and shortens over its whole range at a rate of its own.
+    Each section elongates and shortens over its whole range at a rate of its own, or as drawn.
 
     Args:
-        joint: its axes and geometry.
-        source, library, count, period, seed: as of `motion`.
+        joint: its axes, geometry and loads.
+        source: "loads" or as of `motion`.
+        library: of the joint; None for "loads".
+        count, period, seed: as of `motion`.
 
     Raises:
-        ValueError: unknown source.
+        ValueError: unknown source, or a joint without loads.
+        ReachError: no draw of the joint's loads gives a shape.
     """
-    geometry, bends = joint.geometry, motion(source, library, count, period, seed)
-    u = bends.u if "u" in joint.axes else np.zeros_like(bends.u)
-    v = bends.v if "v" in joint.axes else np.zeros_like(bends.v)
+    drawn = loads_library(joint) if source == LOADS else None
+    if drawn is not None:
+        return _within_axes(joint, loads_motion(drawn.shapes, np.arange(count) / period, seed))
+    if library is None:
+        raise ValueError(f"{source!r} takes the shapes of the joint's load cases, or its loads")
+    geometry = joint.geometry
+    bends = _within_axes(joint, motion(source, library, count, period, seed))
     low, high = geometry.elongation or (0.0, 0.0)
     rate = 1.0 + np.arange(len(geometry.sections)) / len(geometry.sections)
     share = 0.5 - 0.5 * np.cos(2 * np.pi * np.outer(np.arange(count) / period, rate))
-    return Shapes(u, v, low + (high - low) * share, bends.source)
+    return Shapes(bends.u, bends.v, low + (high - low) * share, bends.source)
+
+
+def _within_axes(joint: Joint, shapes: Shapes) -> Shapes:
+    """The same shapes of a joint that does not bend about axes that it leaves out."""
+    u, v = (
+        values if axis in joint.axes else np.zeros_like(values)
+        for axis, values in (("u", shapes.u), ("v", shapes.v))
+    )
+    return Shapes(u, v, shapes.h, shapes.source)
 
 
 def motion(source: str, library: ShapeLibrary, count: int, period: int, seed: int = 0) -> Shapes:
@@ -114,6 +135,30 @@ def sweep_motion(library: ShapeLibrary, turns: Floats) -> Shapes:
     v = amplitude * np.sin(8 * np.pi * turns)
     along = np.ones(segments)
     return unstretched(np.outer(u, along), np.outer(v, along), source="sweep")
+
+
+def loads_motion(drawn: Shapes, turns: Floats, seed: int) -> Shapes:
+    """From one shape under drawn loads to the next, at rest at each, eight of them a turn.
+
+    What lies between two shapes is a mean of both, so sensors contradict each other no more there
+    than at the shapes, which their checks were made for.
+
+    Args:
+        drawn: shapes under the joint's loads; all of them come before one comes again.
+        turns: shape (k,), position along the motion.
+        seed: of their order.
+    """
+    order = np.random.default_rng(seed).permutation(len(drawn))
+    place = turns * _STOPS
+    stop = np.floor(place).astype(np.int64)
+    part = place - stop
+    share = (part * part * (3.0 - 2.0 * part))[:, None]
+    one, other = order[stop % len(order)], order[(stop + 1) % len(order)]
+    u, v, h = (
+        (1.0 - share) * values[one] + share * values[other]
+        for values in (drawn.u, drawn.v, drawn.h)
+    )
+    return Shapes(u, v, h, (LOADS,) * turns.size)
 
 
 def _tour(library: ShapeLibrary) -> Floats:
