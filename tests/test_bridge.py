@@ -19,6 +19,7 @@ from ccgen.can.transports.library import library_node
 from ccgen.cli import bridge_display
 from ccgen.cli.main import main
 from ccgen.export.package import export
+from ccgen.fixedpoint.watch import BACK_AFTER
 from ccgen.shapes import score_library
 from ccgen.targets.exported import open_exported
 from ccgen.targets.host import compile_shared
@@ -309,3 +310,25 @@ def test_no_sound_sensor_of_a_joint_with_loads_is_suspected(loaded, tmp_path):
 def test_a_joint_with_loads_is_moved_by_them(loaded, capsys):
     assert ccgen("bridge", str(loaded), "--seconds", "0.1", "--json") == 0
     assert json.loads(capsys.readouterr().out)["source"] == "loads"
+
+
+def test_what_a_node_held_of_its_sensors_before_is_no_mismatch(loaded, tmp_path):
+    exported = open_exported(loaded)
+    joint, guarded = exported.joint, exported.guarded
+    sent = replace(simulated_stream(joint, guarded, None, "loads", 8.0, 10.0), rate_hz=None)
+    sensor = guarded.groups[0].own.start
+    broken = sent.counts.copy()
+    broken[:, sensor] += 2000
+    after = guarded.follow(broken).watches[0]
+    assert after.out  # or nothing would differ
+    broken_stream = replace(sent, counts=broken)
+    with library_node(compile_shared(loaded, tmp_path), exported.layout) as bus:
+        first = bridge(bus, exported.codec, broken_stream, "virtual")
+        second = bridge(bus, exported.codec, sent, "virtual")
+        third = bridge(bus, exported.codec, sent, "virtual")
+    assert first.mismatches == 0
+    assert first.left_out_before == ()
+    assert second.passed
+    assert second.left_out_before == (joint.sensors[sensor + after.sensor].name,)
+    assert second.degraded_snapshots == BACK_AFTER - 1
+    assert (third.mismatches, third.left_out_before, third.degraded_snapshots) == (0, (), 0)

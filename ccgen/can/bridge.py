@@ -15,6 +15,7 @@ from ccgen.can.exchange import Answer, Exchange, Pace, exchange, fresh_start
 from ccgen.can.fingerprint import fingerprint
 from ccgen.can.layout import FAULTS, FrameLayout, longest, tip_fraction_bits
 from ccgen.can.logs import Log
+from ccgen.can.reference import followed_by
 from ccgen.can.replay import Replay
 from ccgen.errors import InputError
 from ccgen.fixedpoint import FixedPointModel
@@ -184,6 +185,8 @@ class Summary:
         gone: as of `Exchange`.
         stranger: what tells that the node is of another model; empty where it is not.
         injected: faults that were put into the counts.
+        left_out_before: names of the sensors that the node's checks had left out before the first
+            snapshot, by its answers; the reference model starts so too.
     """
 
     source: str
@@ -203,6 +206,7 @@ class Summary:
     gone: str = ""
     stranger: str = ""
     injected: tuple[str, ...] = ()
+    left_out_before: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -259,7 +263,7 @@ def _summary(
     stream: Stream, transport: str, result: Exchange, layout: FrameLayout, own: int
 ) -> Summary:
     answered = result.complete
-    followed = stream.guarded.follow(stream.counts)
+    followed, before = followed_by(stream.guarded, stream.counts, result.angles, answered)
     wanted = followed.values[answered]
     missing = reduce(or_, (status.missing_sensors for status in result.statuses), 0)
     suspected = reduce(or_, (health.suspected_sensors for health in result.healths), 0)
@@ -281,6 +285,7 @@ def _summary(
         gone=result.gone,
         stranger=result.stranger(own),
         injected=stream.faults,
+        left_out_before=tuple(stream.joint.sensors[j].name for j in before),
     )
 
 

@@ -3,10 +3,15 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ccgen.fixedpoint.guarded import GuardedModel
+from ccgen.fixedpoint.consistency import GroupCheck
+from ccgen.fixedpoint.guarded import Followed, GuardedModel
+from ccgen.fixedpoint.watch import BACK_AFTER, OUT_AFTER, Watch
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
+
+_SETTLING = 2 * BACK_AFTER
+"""Snapshots that tell what a node held of its sensors before."""
 
 
 def other_values(guarded: GuardedModel, counts: ArrayLike, values: ArrayLike) -> int:
@@ -29,6 +34,53 @@ def other_values(guarded: GuardedModel, counts: ArrayLike, values: ArrayLike) ->
             absent[:, sensor] = True
             differs = np.minimum(differs, _differing(guarded, taken, absent, told))
     return int(differs.sum())
+
+
+def followed_by(
+    guarded: GuardedModel, counts: ArrayLike, values: ArrayLike, answered: Flags
+) -> tuple[Followed, tuple[int, ...]]:
+    """What a node answers to snapshots that it follows one after the other.
+
+    Its checks may have followed others before. Where its answers are not those of a node that
+    starts, they are those of the state from which the first of them differ least.
+
+    Args:
+        guarded: of the exported folder.
+        counts: shape (k, n), in the joint's order of sensors.
+        values: what it answered, shape (k, rows of all axes).
+        answered: where it did, shape (k,).
+
+    Returns:
+        What the model answers, and the sensors that the node had left out before the first.
+    """
+    taken, told = np.asarray(counts, dtype=np.int64), np.asarray(values, dtype=np.int64)
+    fresh = guarded.follow(taken)
+    if not (fresh.values != told)[answered].any():
+        return fresh, ()
+    known = answered[:_SETTLING]
+
+    def wrong(watches: list[Watch]) -> int:
+        followed = guarded.follow(taken[:_SETTLING], watches=watches)
+        return int((followed.values != told[:_SETTLING])[known].sum())
+
+    watches = list(guarded.start())
+    for i, group in enumerate(guarded.groups):
+        tried = [[*watches[:i], watch, *watches[i + 1 :]] for watch in _watches(group)]
+        watches = min(tried, key=wrong)
+    left_out = tuple(
+        group.own.start + watch.sensor
+        for group, watch in zip(guarded.groups, watches, strict=True)
+        if watch.out
+    )
+    return guarded.follow(taken, watches=watches), left_out
+
+
+def _watches(group: GroupCheck) -> list[Watch]:
+    """Every state that a group can be in, that of the start first."""
+    sensors = range(group.own.stop - group.own.start)
+    named = [Watch(sensor, run) for sensor in sensors for run in range(1, OUT_AFTER)]
+    out = [Watch(sensor, run, True) for sensor in sensors for run in range(BACK_AFTER)]
+    return [Watch(), *named, *out]
 
 
 def _differing(

@@ -249,6 +249,8 @@ def _print(summary: "Summary") -> None:
     table.add_row("rate", f"{summary.rate_hz:.1f} a second")
     table.add_row("frames", f"{summary.lost_frames} lost, {summary.corrupted} damaged")
     table.add_row("reference model", f"{summary.mismatches} angles differ")
+    if summary.left_out_before:
+        table.add_row("left out before", ", ".join(summary.left_out_before))
     if summary.injected:
         table.add_row("faults put in", ", ".join(summary.injected))
     table.add_row("degraded", f"{summary.degraded_snapshots} snapshots")
