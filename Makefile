@@ -17,7 +17,7 @@ FUZZER = $(shell clang -print-file-name=libclang_rt.fuzzer-$$(uname -m).a 2>/dev
 
 # Programs and files that the tests need, as command or path:Debian package; other libraries go
 # with their program.
-TOOLS = gcc:gcc g++:g++ clang:clang $(FUZZER):libclang-rt-dev cmake:cmake \
+TOOLS = gcc:gcc g++:g++ clang:clang clang-tidy:clang-tidy $(FUZZER):libclang-rt-dev cmake:cmake \
   arm-none-eabi-gcc:gcc-arm-none-eabi arm-none-eabi-gcc:libnewlib-arm-none-eabi \
   riscv64-unknown-elf-gcc:gcc-riscv64-unknown-elf \
   riscv64-unknown-elf-gcc:picolibc-riscv64-unknown-elf \

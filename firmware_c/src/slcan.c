@@ -84,7 +84,7 @@ static uint8_t kind_character(const ccgen_frame_t *const frame) {
 static bool read_data(const uint8_t *const text, ccgen_frame_t *const frame) {
     for (uint8_t i = 0; i < frame->length; ++i) {
         uint32_t byte = 0;
-        if (!read_number(&text[2u * i], 2, &byte)) {
+        if (!read_number(&text[(size_t)2u * i], 2, &byte)) {
             return false;
         }
         frame->data[i] = (uint8_t)byte;

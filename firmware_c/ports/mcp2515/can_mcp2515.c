@@ -195,7 +195,7 @@ static bool put_filters(const can_port_config_t *const config, uint8_t *const se
         if (filters[i].mask != filters[(i < 2u) ? 0u : 2u].mask) {
             return false;
         }
-        put_id(&settings[4u * i], filters[i].id, config->extended);
+        put_id(&settings[(size_t)4u * i], filters[i].id, config->extended);
     }
     put_id(&settings[24], filters[0].mask, config->extended);
     put_id(&settings[28], filters[2].mask, config->extended);
@@ -275,7 +275,7 @@ static void load(can_mcp2515_t *const can, const uint32_t now_us) {
             &can->departures[tail % CAN_MCP2515_DEPARTURES];
         const uint32_t at_us = next->at_us;
         uint8_t bytes[CAN_MCP2515_EXCHANGE_MAX] = {DO_LOAD_TX0};
-        for (uint8_t i = 0; i < sizeof next->bytes; ++i) {
+        for (size_t i = 0; i < sizeof next->bytes; ++i) {
             bytes[1u + i] = next->bytes[i];
         }
         can->tail = (uint8_t)(tail + 1u);
