@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from runtime_c import HERE, WARNINGS
-from test_controllers import SANITIZED, OnController
+from test_controllers import SANITIZED, OnController, joint_objects
 from test_example_projects import run
 from test_export_examples import JOINTS
 
@@ -47,8 +47,7 @@ class OnTwai(OnController):
         run("objcopy", "--globalize-symbol=can", out / "main.o")  # its counters are printed
         run(
             "gcc", *flags, out / "main.o", ports / "twai" / "can_twai.c", IDF / "fake.c",
-            FAKES / "bus.c", *folder.glob("src/*.c"), *folder.glob("src/ccgen/*.c"),
-            "-o", program,
+            FAKES / "bus.c", *joint_objects(folder), "-o", program,
         )  # fmt: skip
         return program
 
