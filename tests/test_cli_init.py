@@ -95,6 +95,14 @@ def test_the_loads_that_are_commented_out_bend_the_joint_as_far_as_it_goes():
     assert 0.8 < bent <= 1.0 + 1e-9
 
 
+def test_the_kinematics_that_are_commented_out_are_the_default_and_can_be_left_out():
+    text = uncommented(joint_text("elbow"), "[kinematics]")
+    assert "\nfloat = true " in text
+    assert parse_joint(text, "elbow.toml").float_kinematics
+    without = text.replace("\nfloat = true ", "\nfloat = false")
+    assert not parse_joint(without, "elbow.toml").float_kinematics
+
+
 def test_the_recording_that_is_commented_out_is_read(capsys):
     text = uncommented(joint_text("elbow"), "[[recordings]]")
     (recording,) = parse_joint(text, "elbow.toml").recordings

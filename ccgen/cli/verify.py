@@ -52,7 +52,8 @@ def verify(
     over SLCAN on a pseudo-terminal; microcontrollers run in an emulator and speak SLCAN over their
     UART. Counts cover the shapes, the corners and the whole declared range. Angles, poses in
     integers and TIP frames are compared with their integer models, poses in floating point with
-    double precision. A mismatch, a lost frame or a pose out of bounds ends with status 1.
+    double precision (none where joint.toml says float = false). A mismatch, a lost frame or a pose
+    out of bounds ends with status 1.
 
     \b
     Example:
@@ -110,7 +111,7 @@ def _show(runs: Sequence["Run"]) -> None:
             *(f"{run.compared_functions:,}" for _ in functions),
             f"{run.mismatches + run.pose_mismatches + run.function_mismatches:,}",
             f"{run.lost_frames:,}",
-            f"{1e6 * run.pose_max_error_m:.2g} < {1e6 * run.pose_bound_m:.2g}",
+            _distance(run),
         )
     console = results()
     show_table(table)
@@ -121,6 +122,12 @@ def _show(runs: Sequence["Run"]) -> None:
     if not failed:
         whole = "angle, pose and result" if functions else "angle and pose"
         console.print(f"Every {whole} is the model's, bit for bit; no frame was lost.")
+
+
+def _distance(run: "Run") -> str:
+    if run.pose_max_error_m is None or run.pose_bound_m is None:
+        return "no float"
+    return f"{1e6 * run.pose_max_error_m:.2g} < {1e6 * run.pose_bound_m:.2g}"
 
 
 def _said(run: "Run") -> str:

@@ -44,7 +44,7 @@ def write_table(exported: "Exported", costs: "Sequence[Cost]") -> None:
     """
     path = exported.directory / "README.md"
     text = path.read_text(encoding="utf-8")
-    section = f"{BEGIN}\n{markdown(costs)}{END}\n"
+    section = f"{BEGIN}\n{markdown(costs, exported.joint.float_kinematics)}{END}\n"
     if _SECTION.search(text):
         text = _SECTION.sub(lambda _: section, text)
     else:
@@ -52,14 +52,20 @@ def write_table(exported: "Exported", costs: "Sequence[Cost]") -> None:
     replace_file(exported.directory, "README.md", text.encode("utf-8"))
 
 
-def markdown(costs: "Sequence[Cost]") -> str:
-    """A section with one row a target."""
+def markdown(costs: "Sequence[Cost]", has_float: bool = True) -> str:
+    """A section with one row a target.
+
+    Args:
+        costs: of the folder on each target.
+        has_float: whether the folder has kinematics in floating point.
+    """
+    unlinked = "SLCAN, kinematics in floating point" if has_float else "SLCAN"
     titles, rows = main_table(costs)
     lines = [
         "## What it costs", "",
         f"Of a whole node with its tip pose, compiled with `{costs[0].level}`: bytes of flash, "
         "code and constants with the compiler's own functions and without what only other calls "
-        "link (SLCAN, kinematics in floating point), RAM without stack, worst-case stack; the "
+        f"link ({unlinked}), RAM without stack, worst-case stack; the "
         "most instructions (AVR: cycles) that the parts of a snapshot took, its frames received, "
         "the estimate, the tip pose and its answer transmitted, and all of it. HEALTH, which "
         f"belongs to no snapshot, takes {_span([cost.times.health for cost in costs])} a frame. "

@@ -37,8 +37,6 @@ from ccgen.recordings.progress import Report, in_silence
 JOINT_FILES = {
     "src/{name}.h": "model.h.j2",
     "src/{name}.c": "model.c.j2",
-    "src/{name}_kinematics.h": "kinematics.h.j2",
-    "src/{name}_kinematics.c": "kinematics.c.j2",
     "src/{name}_can.h": "can.h.j2",
     "src/{name}_can.c": "can.c.j2",
     "selftest/{name}_selftest.h": "selftest.h.j2",
@@ -59,8 +57,11 @@ JOINT_FILES = {
 }
 """Generated files of the folder and their templates."""
 
-_JOINT_PARTS = ("", "_can", "_kinematics", "_pose", "_jacobian")
-"""Behind the joint's name: its sources."""
+FLOAT_FILES = {
+    "src/{name}_kinematics.h": "kinematics.h.j2",
+    "src/{name}_kinematics.c": "kinematics.c.j2",
+}
+"""Likewise, of joints that have kinematics in single precision."""
 
 CALIBRATION_END = ".calibration.toml"
 """Behind the joint's name: the copy of its calibration file, whatever path joint.toml gives."""
@@ -154,7 +155,7 @@ def render(
     _as_filed(fitted.joint)
     joint, model = fitted.sensed, fitted.model
     functions = JointFunctions() if module is None else compile_functions(module, model)
-    parts = (*_JOINT_PARTS, *(("_functions",) if functions else ()))
+    parts = _parts(joint, bool(functions))
     layout = layout_for(joint, model.readings)
     runtime, poses = runtime_files(), fitted.poses
     values: dict[str, Any] = {
@@ -167,14 +168,8 @@ def render(
         **selftest_context(joint, fitted.guarded, poses, layout, fitted.shapes),
         "zeros": model.readings.zero.tolist(),
         "tip_shift": poses.position_bits - layout.tip_fraction_bits,
-        "kinematics": kinematics_context(
-            f"{joint.source}: geometry.range_of_motion",
-            joint.geometry.segments,
-            joint.geometry.segment_length,
-            joint.precision,
-            {axis: own.fraction_bits for axis, own in model.axes.items()},
-            joint.geometry.sections if "h" in model.axes else (),
-        ),
+        "kinematics": _kinematics(joint, model),
+        "pose_position_bits": poses.position_bits,
         "runtime_sources": sorted(f for f in runtime if f.endswith(".c") and f.startswith("src/")),
         "joint_sources": [f"src/{joint.name}{part}.c" for part in parts],
         "joint_headers": [f"src/{joint.name}{part}.h" for part in parts],
@@ -182,9 +177,10 @@ def render(
         "functions_source": functions.source,
         "function_words": functions.words,
     }
+    templates = JOINT_FILES | (FLOAT_FILES if joint.float_kinematics else {})
     texts = {
         path.format(name=joint.name): resources.template(template).render(values)
-        for path, template in JOINT_FILES.items()
+        for path, template in templates.items()
     }
     integers = pose_files(joint.name, poses, tuple(model.axes))
     integers |= jacobian_files(joint.name, fitted.jacobian, model)
@@ -206,6 +202,27 @@ def render(
     inputs = _inputs(fitted, kept) | ({functions.source: functions.sha256} if functions else {})
     files[FILE_NAME] = manifest_json(joint.name, inputs, files).encode("utf-8")
     return layout, files
+
+
+def _parts(joint: Joint, has_functions: bool) -> tuple[str, ...]:
+    """What stands behind the joint's name in the names of its sources."""
+    single_precision = ("_kinematics",) if joint.float_kinematics else ()
+    own = ("_functions",) if has_functions else ()
+    return ("", "_can", *single_precision, "_pose", "_jacobian", *own)
+
+
+def _kinematics(joint: Joint, model: FixedPointModel) -> dict[str, Any] | None:
+    """What the templates know of the single-precision kinematics; None where there are none."""
+    if not joint.float_kinematics:
+        return None
+    return kinematics_context(
+        f"{joint.source}: geometry.range_of_motion",
+        joint.geometry.segments,
+        joint.geometry.segment_length,
+        joint.precision,
+        {axis: own.fraction_bits for axis, own in model.axes.items()},
+        joint.geometry.sections if "h" in model.axes else (),
+    )
 
 
 def _inputs(fitted: Fit, kept: Kept | None) -> dict[str, str]:

@@ -123,6 +123,7 @@ def _joint(table: JointTable, source: str, folder: Path) -> Joint:
         check=table.estimator.check,
         false_alarms=table.estimator.false_alarms,
         precision=table.fixed_point.precision,
+        float_kinematics=table.kinematics.float,
         can=_can(table.can),
         source=source,
         own_keys=frozenset({*sensors.own_keys(table.sensors), *listed.own_keys(table)}),

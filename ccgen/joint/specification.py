@@ -225,6 +225,8 @@ class Joint:
     """Whether sensors are held against each other."""
     false_alarms: float = 1e-6
     """Of that check, share of the snapshots."""
+    float_kinematics: bool = True
+    """Whether single-precision poses and Jacobian are exported beside those in integers."""
     recordings: tuple[RecordingFile, ...] = ()
     loads: LoadRanges | None = None
     """What the joint meets at work; None where the file does not say."""

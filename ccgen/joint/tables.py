@@ -215,6 +215,12 @@ class FixedPointTable(Table):
     )
 
 
+class KinematicsTable(Table):
+    """[kinematics]."""
+
+    float: bool = Field(default=True, description="true or false", examples=[False])
+
+
 class CanTable(Table):
     """[can]."""
 
@@ -283,5 +289,8 @@ class JointTable(Table):
     )
     fixed_point: FixedPointTable = Field(
         default=FixedPointTable(), description="a table", examples=["[fixed_point]"]
+    )
+    kinematics: KinematicsTable = Field(
+        default=KinematicsTable(), description="a table", examples=["[kinematics]"]
     )
     can: CanTable = Field(default=CanTable(), description="a table", examples=["[can]"])

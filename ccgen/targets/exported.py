@@ -79,8 +79,10 @@ class Exported:
         return Codec(self.layout, read_database(self.directory / f"{self.joint.name}.dbc"))
 
     @cached_property
-    def pose_bounds(self) -> ErrorBounds:
-        """How far single-precision poses may lie from double precision."""
+    def pose_bounds(self) -> ErrorBounds | None:
+        """How far single-precision poses may lie from double precision; None: there are none."""
+        if not self.joint.float_kinematics:
+            return None
         geometry = self.joint.geometry
         fraction_bits = {axis: own.fraction_bits for axis, own in self.model.axes.items()}
         angle = largest_angle(self.model.precision, fraction_bits)

@@ -68,8 +68,8 @@ def compare_batches(exported: Exported, library: JointLibrary, plan: Plan, repor
         pose_mismatches=sum(int(np.count_nonzero(one)) for one in others),
         compared_functions=words.size,
         function_mismatches=int(np.count_nonzero(words)),
-        pose_max_error_m=errors[0].error,
-        pose_bound_m=errors[0].bound,
+        pose_max_error_m=errors[0].error if errors else None,
+        pose_bound_m=errors[0].bound if errors else None,
         note="; ".join(
             f"{e.name} off by {e.error:.3g}, bound {e.bound:.3g}"
             for e in errors[1:]
@@ -111,12 +111,17 @@ def _compared(exported: Exported, library: JointLibrary, seed: int, size: int) -
 
 
 def _kinematic_errors(exported: Exported, library: JointLibrary, angles: Integers) -> list[_Excess]:
-    """Largest errors against double precision: positions first, then rotations and Jacobians."""
+    """Largest errors against double precision: positions first, then rotations and Jacobians.
+
+    None where the folder has no kinematics in floating point.
+    """
+    bounds = exported.pose_bounds
+    if bounds is None:
+        return []
     poses = kinematics.chain(*states_of(exported, angles))
     poses = np.concatenate([poses, poses[:, -1:]], axis=1)
     positions, rotations = library.poses(angles)
     error = library.jacobians(angles) - tip_jacobians(exported, angles)
-    bounds = exported.pose_bounds
     return [
         _Excess("position", _largest(positions - poses[..., :3, 3], (-1,)), bounds.position),
         _Excess("rotation", _largest(rotations - poses[..., :3, :3], (-2, -1)), bounds.rotation),

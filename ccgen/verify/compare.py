@@ -29,7 +29,8 @@ def compare_exchange(
 ) -> Run:
     """Compare every angle and every tip bit for bit, where published.
 
-    Beside it, how far tips lie from double precision: a bound that single precision would keep.
+    Beside it, how far tips lie from double precision: a bound that single precision would keep,
+    and that is left out where the folder has no poses in single precision.
 
     Args:
         exported: the folder, with its reference model.
@@ -49,6 +50,7 @@ def compare_exchange(
     step = 2.0**-layout.tip_fraction_bits
     tips = tip_positions(exported, right[whole]) if layout.publishes("tip") else np.zeros((0, 3))
     distance = np.linalg.norm(answers.tips[whole][: len(tips)] * step - tips, axis=-1)
+    bounds = exported.pose_bounds
     compared_tips = wrong_tips = 0
     if layout.publishes("tip"):
         compared_tips = int(np.count_nonzero(complete))
@@ -67,8 +69,8 @@ def compare_exchange(
         mismatches=wrong,
         lost_frames=answers.lost_frames,
         rate_hz=answers.rate_hz,
-        pose_max_error_m=float(distance.max(initial=0.0)),
-        pose_bound_m=exported.pose_bounds.position + 0.5 * math.sqrt(3.0) * step,
+        pose_max_error_m=None if bounds is None else float(distance.max(initial=0.0)),
+        pose_bound_m=None if bounds is None else bounds.position + 0.5 * math.sqrt(3.0) * step,
         note=_note(exported, answers),
         degraded_snapshots=int(np.count_nonzero(followed.states.any(axis=1))),
         compared_poses=compared_tips,

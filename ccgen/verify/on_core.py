@@ -4,7 +4,7 @@ A block of snapshots crosses the UART as one checksum. If it is not the referenc
 angle of the block counts as a mismatch. Besides, tip poses of drawn angles: those in floating point
 cross as the bits of their positions, and a checksum covers the bits of the whole poses; those in
 integers, and their tip Jacobians, cross as checksums, and if one is not the reference model's, all
-that it covers count as wrong.
+that it covers count as wrong. A folder without kinematics in floating point has the latter alone.
 """
 
 import math
@@ -155,10 +155,7 @@ def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed)
         printed.integers != vectors.checksum(integer_tips(exported, shapes)),
         printed.jacobians != vectors.checksum(integer_jacobians(exported, shapes)),
     ]
-    distance = np.linalg.norm(
-        np.array(printed.tips, dtype=np.float64).reshape(-1, 3) - pose_positions(exported, shapes),
-        axis=-1,
-    )
+    bounds = exported.pose_bounds
     return Run(
         target=target,
         transport="batch",
@@ -172,9 +169,15 @@ def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed)
         pose_mismatches=pose_mismatches + POSES * sum(differ),
         compared_functions=compared_words,
         function_mismatches=compared_words if words_differ else 0,
-        pose_max_error_m=float(distance.max()),
-        pose_bound_m=exported.pose_bounds.position,
+        pose_max_error_m=None if bounds is None else _farthest(exported, printed, shapes),
+        pose_bound_m=None if bounds is None else bounds.position,
     )
+
+
+def _farthest(exported: Exported, printed: Printed, shapes: NDArray[np.int64]) -> float:
+    """Largest distance of a tip in floating point from double precision, metres."""
+    tips = np.array(printed.tips, dtype=np.float64).reshape(-1, 3)
+    return float(np.linalg.norm(tips - pose_positions(exported, shapes), axis=-1).max())
 
 
 def pose_angles(exported: Exported, seed: int) -> NDArray[np.int64]:

@@ -9,7 +9,8 @@
  * port_restore_zero, port_follow, port_unpack_counts, port_pack_angles, port_unpack_angles,
  * port_segment_pose, port_tip_pose, port_tip_jacobian, port_integer_segment_pose and
  * port_integer_tip_jacobian; PORT_SEGMENTS, PORT_SENSORS, PORT_VALUES
- * and PORT_PRECISION.
+ * and PORT_PRECISION. With PORT_INTEGERS_ONLY it has none of port_pose_t, port_segment_pose,
+ * port_tip_pose and port_tip_jacobian.
  *
  * All arrays are dense, row-major and the caller's. Counts of a snapshot are in the order of the
  * joint's sensors; its values those of u, then v, then h, of the axes that are estimated.
@@ -98,6 +99,7 @@ EXPORT int ccgen_shared_node_counters(const void *node, uint32_t *counters);
 EXPORT int ccgen_batch_estimate(const port_count_t *counts, const port_count_t *zero, size_t n,
                                 port_angle_t *angles, int8_t *results);
 
+#ifndef PORT_INTEGERS_ONLY
 /**
  * Poses of every segment's distal end, and after them the tip's, for n sets of angles.
  * \param[in] angles      [n][values]
@@ -107,6 +109,7 @@ EXPORT int ccgen_batch_estimate(const port_count_t *counts, const port_count_t *
  */
 EXPORT int ccgen_batch_poses(const port_angle_t *angles, size_t n, float *positions,
                              float *rotations);
+#endif
 
 /**
  * Poses in integers of every segment's distal end for n sets of angles.
@@ -134,6 +137,7 @@ EXPORT int ccgen_batch_integer_jacobians(const port_angle_t *angles, size_t n, i
 EXPORT int ccgen_batch_functions(const port_angle_t *angles, size_t n, int32_t *words);
 #endif
 
+#ifndef PORT_INTEGERS_ONLY
 /**
  * Tip Jacobians for n sets of angles.
  * \param[in] angles      [n][values]
@@ -150,6 +154,7 @@ static void pack_pose(const port_pose_t *const pose, float *const position, floa
         }
     }
 }
+#endif
 
 int ccgen_shared_shape(int32_t *const shape) {
     if (shape == NULL) {
@@ -270,6 +275,7 @@ int ccgen_batch_estimate(const port_count_t *const counts, const port_count_t *c
     return CCGEN_OK;
 }
 
+#ifndef PORT_INTEGERS_ONLY
 int ccgen_batch_poses(const port_angle_t *const angles, const size_t n, float *const positions,
                       float *const rotations) {
     if ((angles == NULL) || (positions == NULL) || (rotations == NULL)) {
@@ -291,6 +297,7 @@ int ccgen_batch_poses(const port_angle_t *const angles, const size_t n, float *c
     }
     return CCGEN_OK;
 }
+#endif
 
 int ccgen_batch_integer_poses(const port_angle_t *const angles, const size_t n,
                               int32_t *const poses) {
@@ -355,6 +362,7 @@ int ccgen_batch_functions(const port_angle_t *const angles, const size_t n, int3
 }
 #endif
 
+#ifndef PORT_INTEGERS_ONLY
 int ccgen_batch_jacobians(const port_angle_t *const angles, const size_t n,
                           float *const jacobians) {
     if ((angles == NULL) || (jacobians == NULL)) {
@@ -377,6 +385,7 @@ int ccgen_batch_jacobians(const port_angle_t *const angles, const size_t n,
     }
     return CCGEN_OK;
 }
+#endif
 
 #ifdef __cplusplus
 }
