@@ -24,7 +24,8 @@ def compile_objects(
     """Compile what `store` does not hold yet, and link; otherwise as `runtime_c.compile_c`."""
     out = target or runtime_c.next_build()
     options = [*runtime_c.C99, *runtime_c.WARNINGS, *flags]
-    objects = [_object(store, file, (compiler, *options)) for file in files]
+    command = (compiler, *options)
+    objects = [f if f.suffix == ".o" else _object(store, f, command) for f in files]
     _run([compiler, *flags, *map(str, objects), "-o", str(out)])
     return out
 

@@ -11,6 +11,7 @@ from runtime_c import PORTS, UNDEFINED, compile_c, next_build
 BXCAN = (1024, 1, 16, 1, 8, 4)
 NOMINAL = (512, 1, 256, 1, 128, 128)
 DATA = (32, 1, 32, 1, 16, 16)
+TIGHT = (4, 1, 6, 2, 3, 1)
 CLOCKS = tuple(1_000_000 * f for f in (8, 16, 20, 24, 30, 36, 40, 42, 45, 48, 54, 64, 80, 84, 170))
 RATES = (10_000, 83_333, 125_000, 250_000, 500_000, 800_000, 1_000_000, 2_000_000, 5_000_000)
 
@@ -59,7 +60,9 @@ def every(clock_hz, bitrate, limits):
                 yield abs(sampled - wanted), prescaler, segment1, segment2
 
 
-@given(st.sampled_from(CLOCKS), st.sampled_from(RATES), st.sampled_from((BXCAN, NOMINAL, DATA)))
+@given(
+    st.sampled_from(CLOCKS), st.sampled_from(RATES), st.sampled_from((BXCAN, NOMINAL, DATA, TIGHT))
+)
 def test_a_timing_is_as_near_to_the_sample_point_as_any(clock_hz, bitrate, limits):
     timing, all_ = find(clock_hz, bitrate, limits), list(every(clock_hz, bitrate, limits))
     if timing is None:
@@ -82,6 +85,7 @@ def test_a_timing_is_as_near_to_the_sample_point_as_any(clock_hz, bitrate, limit
         (42_000_000, 500_000, BXCAN, (6, 11, 2, 2)),
         (80_000_000, 1_000_000, NOMINAL, (1, 59, 20, 20)),
         (80_000_000, 5_000_000, DATA, (1, 11, 4, 4)),
+        (20_000_000, 500_000, TIGHT, (4, 6, 3, 1)),  # the largest prescaler and second segment
     ],
 )
 def test_known_timings(clock_hz, bitrate, limits, expected):
@@ -95,3 +99,7 @@ def test_known_timings(clock_hz, bitrate, limits, expected):
 )
 def test_a_bit_rate_that_the_clock_does_not_give_is_refused(clock_hz, bitrate):
     assert find(clock_hz, bitrate, BXCAN) is None
+
+
+def test_a_bit_that_would_be_sampled_too_early_is_refused():
+    assert find(2_500_000, 500_000, TIGHT) is None  # 5 quanta of which 2 come last: at 60 %

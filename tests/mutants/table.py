@@ -1,5 +1,5 @@
 """All mutants."""
 
-from mutants import frames, kernels, node
+from mutants import frames, kernels, node, ports
 
-GROUPS = (*frames.GROUPS, *node.GROUPS, *kernels.GROUPS)
+GROUPS = (*frames.GROUPS, *node.GROUPS, *kernels.GROUPS, *ports.GROUPS)
