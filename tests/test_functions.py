@@ -213,6 +213,22 @@ def test_functions_of_many_outputs_are_counted(tmp_path, target):
     assert command("verify", tmp_path / "out", *QUICK).exit_code == 0
 
 
+def test_inputs_that_a_function_leaves_alone_are_no_warnings(tmp_path):
+    source = tmp_path / "few.py"
+    source.write_text(
+        HEAD
+        + """
+few = casadi.Function("few", [u, v], [u[1] * v[2], u[3]], ["u", "v"], ["product", "same"])
+near = casadi.Function("near", [u, v], [u[0] * u[1]], ["u", "v"], ["product"])
+fixed = casadi.Function("fixed", [u], [casadi.SX(0.25)], ["u"], ["quarter"])
+"""
+    )
+    folder = tmp_path / "firmware"
+    assert command("export", finger(tmp_path), "-o", folder, "--functions", source).exit_code == 0
+    done = command("verify", folder, "--target", "host", *QUICK)
+    assert done.exit_code == 0, done.output
+
+
 def test_what_a_module_prints_stays_out_of_json_and_its_neighbours_can_be_imported(tmp_path):
     (tmp_path / "radius_of_mine.py").write_text("R = 0.02\n")
     (tmp_path / "own.py").write_text(

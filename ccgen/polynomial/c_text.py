@@ -108,6 +108,11 @@ def c_context(function: Compiled) -> dict[str, Any]:
     }
 
 
+def _left_out(_: Variable) -> str:
+    """What stands for an input that nothing reads."""
+    return ""
+
+
 def _grouped(variables: Sequence[Variable]) -> list[list[Variable]]:
     return [list(row) for _, row in groupby(variables, key=lambda one: one.name)]
 
@@ -146,14 +151,21 @@ class _Writer:
         self.statements: list[str] = []
         self.stores: list[str] = []
         self._texts: list[str] = []
-        self._uses = Counter(k for step in self.function.plan.steps for k in step.operands)
+        plan = self.function.plan
+        self._uses = Counter(k for step in plan.steps for k in step.operands)
+        self._uses.update(number for _, number in plan.outputs)
 
     def write(self) -> None:
         """Write everything."""
         plan = self.function.plan
+        used = {one.name for number, one in enumerate(plan.inputs) if self._uses[number]}
+        self.loads += [
+            f"(void){row[0].name};" for row in _grouped(plan.inputs) if row[0].name not in used
+        ]
         for number, step in enumerate(plan.steps):
             if step.kind == "input":
-                self._texts.append(self._load(plan.inputs[number]))
+                load = self._load if self._uses[number] else _left_out
+                self._texts.append(load(plan.inputs[number]))
             else:
                 self._texts.append(self._text(number, step))
         for variable, number in plan.outputs:
