@@ -156,6 +156,10 @@ int32_t word(int32_t a, int32_t b);
 int32_t high(int32_t a, int32_t b);
 int32_t word(int32_t a, int32_t b) { return ccgen_product_word(a, b); }
 int32_t high(int32_t a, int32_t b) { return ccgen_product_high(a, b); }
+int32_t half(int32_t a, int32_t b);
+uint32_t add(uint32_t sum, int16_t a, int16_t b);
+int32_t half(int32_t a, int32_t b) { return ccgen_product_half(a, b); }
+uint32_t add(uint32_t sum, int16_t a, int16_t b) { return ccgen_add_product16(sum, a, b); }
 """
 
 
@@ -177,6 +181,8 @@ def test_products_are_rounded_down_by_either_kind_of_core(a, b):
     for kind in (0, 1):
         assert helpers(kind).high(a, b) == a * b >> 32
         assert helpers(kind).word(a, b16) == a * b16 >> 16
+        assert helpers(kind).half(a >> 15 | 1, b16) == (a >> 15 | 1) * b16
+        assert (helpers(kind).add(b, a >> 16, b16) - b - (a >> 16) * b16) % 2**32 == 0
 
 
 def test_the_same_function_gives_the_same_c():

@@ -93,7 +93,7 @@ def test_every_core_gives_the_models_bits(functions, core, level, tmp_path):
 PRODUCTS = """
 #include <avr/io.h>
 #include <avr/sleep.h>
-#include "ccgen/product.h"
+#include "ccgen/kernel16.h"
 
 static volatile int32_t a, b;
 
@@ -106,7 +106,7 @@ static void put(char sign) {
 int main(void) {
     static const int32_t ends[] = {0, 1, -1, 0xFFFF, 0x10000, -0x10000, INT32_MAX, INT32_MIN};
     uint32_t drawn = 1;
-    uint8_t wrong = 0;
+    uint8_t wrong = 0; /* a bit for each function */
     UCSR0B = 1 << TXEN0;
     for (uint16_t k = 0; k < 1200; ++k) {
         drawn = drawn * 1664525u + 1013904223u;
@@ -126,8 +126,22 @@ int main(void) {
         if (SHIFTS) {
             wrong |= 8;
         }
+        if (ccgen_product_half((a >> 15) | 1, half) != ((a >> 15) | 1) * half) {
+            wrong |= 16;
+        }
+        const uint32_t product = (uint32_t)((a >> 16) * half);
+        if (ccgen_add_product16((uint32_t)b, (int16_t)(a >> 16), (int16_t)half) !=
+            (uint32_t)b + product) {
+            wrong |= 32;
+        }
+        const ccgen_axis16_t axis = {1, 1, (uint8_t)(drawn >> 27), 0, false, true, 0, NULL, NULL};
+        static const ccgen_axis16_t known = {1, 1, 13, 0, false, true, 0, NULL, NULL};
+        if (ccgen_steps16(&axis, (uint32_t)a) != a >> axis.shift ||
+            ccgen_steps16(&known, (uint32_t)a) != a >> 13) {
+            wrong |= 64;
+        }
     }
-    put((char)('A' + wrong));
+    put(wrong == 0 ? 'A' : 'B');
     put('\\n');
     __asm__("cli");
     sleep_enable();

@@ -215,13 +215,21 @@ class _Writer:
         if step.kind == "right":
             return _right(step, operands[0])
         if step.kind == "low":
-            short = all(
-                end in _INT16 for k in step.operands for end in self.function.proof.integers[k]
-            )
-            if short:
-                return f"ccgen_product16({_bare(operands[0])}, {_bare(operands[1])})"
-            return f"{operands[0]} * {operands[1]}"
+            return self._low_product(step, operands)
         return f"{_HELPERS[step.kind]}({_bare(operands[0])}, {_bare(operands[1])})"
+
+    def _low_product(self, step: Step, operands: list[str]) -> str:
+        """A product whose lower word is all of it, by how many of its operands are short."""
+        short = [
+            all(end in _INT16 for end in self.function.proof.integers[k]) for k in step.operands
+        ]
+        texts = [_bare(text) for text in operands]
+        if all(short):
+            return f"ccgen_product16({texts[0]}, {texts[1]})"
+        if any(short):
+            long, half = texts if short[1] else reversed(texts)
+            return f"ccgen_product_half({long}, {half})"
+        return f"{operands[0]} * {operands[1]}"
 
 
 def _right(step: Step, operand: str) -> str:

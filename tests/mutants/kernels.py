@@ -109,7 +109,8 @@ FACTORS16 = on_host(
 KERNEL16 = on_host(
     "include/ccgen/kernel16.h",
     ("if (2u * k >= axis->sensors) {", "if (2u * k + 1u >= axis->sensors) {"),
-    ("(int32_t)ccgen_low16(a) * ccgen_low16(b)", "(int32_t)ccgen_low16(a) * ccgen_high16(b)"),
+    ("sum, ccgen_low16(a), ccgen_low16(b)", "sum, ccgen_low16(a), ccgen_high16(b)"),
+    ("const bool two = 2u * k + 1u < ", "const bool two = 2u * k + 2u < "),
     ("factors->narrow ? most", "true ? most"),
     ("(2u * k + 1u < axis->sensors)", "(2u * k + 2u < axis->sensors)"),
     ("(uint32_t)(ccgen_signed32(weights) >> 16)", "(weights >> 16)"),
@@ -163,6 +164,12 @@ KERNEL16_ON_CORES = (
         CORES,
         ("clipped + ((clipped + CCGEN_ANGLE16_LIMIT) >> 31);", "clipped;"),
         chosen="cortex-m3",
+    ),
+    of(
+        "include/ccgen/kernel16.h",
+        ("test_polynomial_cores.py::test_products_in_avrs_assembly_have_the_bits_of_plain_c",),
+        ("ccgen_right(steps, axis->shift)", "ccgen_right(steps, 8)"),
+        ("steps >>= 8;", "steps >>= 7;"),
     ),
     of(
         "include/ccgen/factors16.h",
@@ -272,6 +279,8 @@ PRODUCT = of(
     (" + (first & 0xFFFF);", ";"),
     ("(first & 0xFFFF)", "(first & 0x7FFF)"),
     ("(second >> 16);", "0;"),
+    ("    return a * b;\n", "    return a + b;\n"),
+    ("return sum + CCGEN_CAST(uint32_t, ", "return sum - CCGEN_CAST(uint32_t, "),
 )
 
 AVR_PRODUCT = of(
@@ -279,7 +288,14 @@ AVR_PRODUCT = of(
     ("test_polynomial_cores.py::test_products_in_avrs_assembly_have_the_bits_of_plain_c",),
     ('"mov %[behind], r1\\n\\t"', '"clr %[behind]\\n\\t"'),
     ("a >> (bits & ~7)", "a >> (bits & ~15)"),
-    ("if (bits & 4) {", "if (bits & 8) {"),
+    ("} else if (bits < 16) {", "} else if (bits < 24) {"),
+    ('mov %D0, %C0"\n                : ', 'mov %D0, %D0"\n                : '),
+    ("__asm__(CCGEN_HALVE_3 CCGEN_HALVE_3 : ", "__asm__(CCGEN_HALVE_2 CCGEN_HALVE_2 : "),
+    (
+        '"mul %C[a], %A[b]\\n\\t"\n        "add %C[p], r0',
+        '"mul %C[a], %B[b]\\n\\t"\n        "add %C[p], r0',
+    ),
+    ('"adc %C[s], %[zero]\\n\\t"', '"adc %C[s], r0\\n\\t"'),
     ('"mov %[x], r1\\n\\t"', '"mov %[x], r0\\n\\t"'),
 )
 

@@ -12,6 +12,7 @@
 #include "ccgen/integer.h"
 #include "ccgen/kernel16_thumb1.h"
 #include "ccgen/load.h"
+#include "ccgen/product.h"
 
 #if defined(__ARM_FEATURE_SIMD32) || CCGEN_HAS_SSAT
 #include <arm_acle.h>
@@ -22,13 +23,18 @@ extern "C" {
 #endif
 
 #if CCGEN_HALVES
-/** \return sum and the products of the lower and of the upper halves of two words. */
-CCGEN_INLINE uint32_t ccgen_add_halves(const uint32_t sum, const uint32_t a, const uint32_t b) {
+/**
+ * \return sum and the products of the lower and, where there are two sensors, of the upper halves
+ * of two words.
+ */
+CCGEN_INLINE uint32_t ccgen_add_halves(const uint32_t sum, const uint32_t a, const uint32_t b,
+                                       const bool two) {
 #if defined(__ARM_FEATURE_SIMD32)
+    (void)two; /* the other weight is 0 */
     return (uint32_t)__smlad(ccgen_signed32(a), ccgen_signed32(b), ccgen_signed32(sum));
 #else
-    return sum + (uint32_t)((int32_t)ccgen_low16(a) * ccgen_low16(b)) + /* MISRA 10.8 */
-           (uint32_t)((int32_t)ccgen_high16(a) * ccgen_high16(b)); /* MISRA 10.8 */
+    const uint32_t lower = ccgen_add_product16(sum, ccgen_low16(a), ccgen_low16(b));
+    return two ? ccgen_add_product16(lower, ccgen_high16(a), ccgen_high16(b)) : lower;
 #endif
 }
 #endif
@@ -41,8 +47,10 @@ CCGEN_INLINE uint32_t ccgen_add_pair16(const ccgen_axis16_t *const axis, const u
         return sum;
     }
 #if CCGEN_HALVES
-    const uint32_t most = ccgen_add_halves(sum, weights, factors->pair[2u * k]);
-    return factors->narrow ? most : ccgen_add_halves(most, weights, factors->pair[2u * k + 1u]);
+    const bool two = 2u * k + 1u < axis->sensors;
+    const uint32_t most = ccgen_add_halves(sum, weights, factors->pair[2u * k], two);
+    return factors->narrow ? most
+                           : ccgen_add_halves(most, weights, factors->pair[2u * k + 1u], two);
 #else
     uint32_t result = sum + weights * factors->pair[2u * k];
     CCGEN_OPAQUE(result);
@@ -70,10 +78,30 @@ CCGEN_INLINE uint32_t ccgen_clip16(const int32_t value) {
 #endif
 #endif
 
+/** \return sum / 2^shift of an axis, rounded down; a sum modulo 2^32 that counts as signed. */
+CCGEN_INLINE int32_t ccgen_steps16(const ccgen_axis16_t *const axis, const uint32_t sum) {
+    int32_t steps = ccgen_signed32(sum);
+#if UINT_MAX < 0xFFFFFFFFu /* MISRA 20.9 */
+    uint8_t bits = axis->shift;
+#if defined(__GNUC__)
+    if (__builtin_constant_p(axis->shift) != 0) {
+        return ccgen_right(steps, axis->shift);
+    }
+#endif
+    for (; bits >= 8u; bits = CCGEN_CAST(uint8_t, bits - 8u)) {
+        /* MISRA 10.1 */
+        steps >>= 8; /* bytes move at once, bits one at a time */
+    }
+    return steps >> bits; /* MISRA 10.1 */
+#else
+    return steps >> axis->shift; /* MISRA 10.1 */
+#endif
+}
+
 /** Stores the angle of a whole sum. */
 CCGEN_INLINE void ccgen_store16(const ccgen_axis16_t *const axis, const uint32_t sum,
                                 int16_t *const angle) {
-    uint32_t steps = (uint32_t)(ccgen_signed32(sum) >> axis->shift); /* MISRA 10.1 */
+    uint32_t steps = (uint32_t)ccgen_steps16(axis, sum);
     if (axis->saturates) {
 #if defined(__ARM_FEATURE_SIMD32)
         const uint32_t clipped = ccgen_clip16(ccgen_signed32(sum) >> axis->shift); /* MISRA 10.1 */
@@ -83,7 +111,11 @@ CCGEN_INLINE void ccgen_store16(const ccgen_axis16_t *const axis, const uint32_t
         /* MISRA 10.4 */
         steps = clipped + ((clipped + CCGEN_ANGLE16_LIMIT) >> 31); /* -32768 becomes -32767 */
 #else
+#if UINT_MAX < 0xFFFFFFFFu /* MISRA 20.9 */
+        steps &= CCGEN_CAST(uint32_t, 0xFFFFFFFFu) >> axis->shift; /* as of an unsigned sum */
+#else
         steps = sum >> axis->shift;
+#endif
         if (steps > 2u * CCGEN_ANGLE16_LIMIT) { /* MISRA 10.4 */
             const uint32_t without = sum - ((uint32_t)CCGEN_ANGLE16_LIMIT << axis->shift);
             steps = (without >= 0x80000000u) ? 0u : 2u * CCGEN_ANGLE16_LIMIT; /* MISRA 10.4 */

@@ -73,27 +73,83 @@ CCGEN_INLINE int32_t ccgen_limit32(const int32_t value, const int32_t low, const
 }
 
 #if CCGEN_AVR_PRODUCTS
-#define CCGEN_HALVE "asr %D0\n\tror %C0\n\tror %B0\n\tror %A0\n\t"
+/* Halves of 4, 3, 2 and 1 bytes, where what lies above are copies of the sign. */
+#define CCGEN_HALVE_4 "asr %D0\n\tror %C0\n\tror %B0\n\tror %A0\n\t"
+#define CCGEN_HALVE_3 "asr %C0\n\tror %B0\n\tror %A0\n\t"
+#define CCGEN_HALVE_2 "asr %B0\n\tror %A0\n\t"
+#define CCGEN_HALVE_1 "asr %A0\n\t"
 #endif
 
 /**
  * \return a / 2^bits, rounded down; bits below 32 and known to the compiler.
  *
- * AVR shifts by a bit at a time in a loop; here by bytes first, then the rest without a loop.
+ * AVR shifts by a bit at a time in a loop; here by bytes first, then the rest without a loop, and
+ * without the bytes that hold the sign alone. One bit short of bytes is doubled instead.
  */
 CCGEN_INLINE int32_t ccgen_right(const int32_t a, const uint8_t bits) {
 #if CCGEN_AVR_PRODUCTS
-    int32_t half = a >> (bits & ~7);
-    if (bits & 4) {
-        __asm__(CCGEN_HALVE CCGEN_HALVE CCGEN_HALVE CCGEN_HALVE : "+r"(half));
+    int32_t result = a;
+    if (bits == 7) {
+        __asm__("lsl %A0\n\trol %B0\n\trol %C0\n\trol %D0\n\t"
+                "mov %A0, %B0\n\tmov %B0, %C0\n\tmov %C0, %D0\n\tsbc %D0, %D0"
+                : "+r"(result));
+        return result;
     }
-    if (bits & 2) {
-        __asm__(CCGEN_HALVE CCGEN_HALVE : "+r"(half));
+    if (bits == 15) {
+        __asm__("lsl %B0\n\trol %C0\n\trol %D0\n\t"
+                "movw %A0, %C0\n\tsbc %C0, %C0\n\tmov %D0, %C0"
+                : "+r"(result));
+        return result;
     }
-    if (bits & 1) {
-        __asm__(CCGEN_HALVE : "+r"(half));
+    if (bits == 23) {
+        __asm__("lsl %C0\n\trol %D0\n\t"
+                "mov %A0, %D0\n\tsbc %B0, %B0\n\tmov %C0, %B0\n\tmov %D0, %B0"
+                : "+r"(result));
+        return result;
     }
-    return half;
+    result = a >> (bits & ~7);
+    if (bits < 8) {
+        if (bits & 4) {
+            __asm__(CCGEN_HALVE_4 CCGEN_HALVE_4 CCGEN_HALVE_4 CCGEN_HALVE_4 : "+r"(result));
+        }
+        if (bits & 2) {
+            __asm__(CCGEN_HALVE_4 CCGEN_HALVE_4 : "+r"(result));
+        }
+        if (bits & 1) {
+            __asm__(CCGEN_HALVE_4 : "+r"(result));
+        }
+    } else if (bits < 16) {
+        if (bits & 4) {
+            __asm__(CCGEN_HALVE_3 CCGEN_HALVE_3 CCGEN_HALVE_3 CCGEN_HALVE_3 : "+r"(result));
+        }
+        if (bits & 2) {
+            __asm__(CCGEN_HALVE_3 CCGEN_HALVE_3 : "+r"(result));
+        }
+        if (bits & 1) {
+            __asm__(CCGEN_HALVE_3 : "+r"(result));
+        }
+    } else if (bits < 24) {
+        if (bits & 4) {
+            __asm__(CCGEN_HALVE_2 CCGEN_HALVE_2 CCGEN_HALVE_2 CCGEN_HALVE_2 : "+r"(result));
+        }
+        if (bits & 2) {
+            __asm__(CCGEN_HALVE_2 CCGEN_HALVE_2 : "+r"(result));
+        }
+        if (bits & 1) {
+            __asm__(CCGEN_HALVE_2 : "+r"(result));
+        }
+    } else {
+        if (bits & 4) {
+            __asm__(CCGEN_HALVE_1 CCGEN_HALVE_1 CCGEN_HALVE_1 CCGEN_HALVE_1 : "+r"(result));
+        }
+        if (bits & 2) {
+            __asm__(CCGEN_HALVE_1 CCGEN_HALVE_1 : "+r"(result));
+        }
+        if (bits & 1) {
+            __asm__(CCGEN_HALVE_1 : "+r"(result));
+        }
+    }
+    return result;
 #elif UINT_MAX < 0xFFFFFFFFu /* MISRA 20.9 */
     return (bits < 16) ? a >> bits : CCGEN_CAST(int16_t, a >> 16) >> (bits - 16); /* MISRA 10.1 */
 #else
@@ -131,6 +187,84 @@ CCGEN_INLINE int32_t ccgen_product16(const int32_t a, const int32_t b) {
     return product;
 #else
     return CCGEN_CAST(int32_t, CCGEN_CAST(int16_t, a)) * CCGEN_CAST(int16_t, b);
+#endif
+}
+
+/** \return a b; b fits 16 bits, and the product 32. */
+CCGEN_INLINE int32_t ccgen_product_half(const int32_t a, const int32_t b) {
+#if CCGEN_AVR_PRODUCTS
+    /* Bytes 0 to 3 of the product of unsigned numbers; then less what b's sign counts too much. */
+    const int16_t half = CCGEN_CAST(int16_t, b);
+    int32_t product;
+    uint8_t zero;
+    __asm__(
+        "clr %[zero]\n\t"
+        "mul %A[a], %A[b]\n\t"
+        "movw %A[p], r0\n\t"
+        "mul %B[a], %B[b]\n\t"
+        "movw %C[p], r0\n\t"
+        "mul %C[a], %A[b]\n\t"
+        "add %C[p], r0\n\t"
+        "adc %D[p], r1\n\t"
+        "mul %D[a], %A[b]\n\t"
+        "add %D[p], r0\n\t"
+        "mul %C[a], %B[b]\n\t"
+        "add %D[p], r0\n\t"
+        "mul %A[a], %B[b]\n\t"
+        "add %B[p], r0\n\t"
+        "adc %C[p], r1\n\t"
+        "adc %D[p], %[zero]\n\t"
+        "mul %B[a], %A[b]\n\t"
+        "add %B[p], r0\n\t"
+        "adc %C[p], r1\n\t"
+        "adc %D[p], %[zero]\n\t"
+        "clr r1\n\t"
+        "sbrs %B[b], 7\n\t"
+        "rjmp 1f\n\t"
+        "sub %C[p], %A[a]\n\t"
+        "sbc %D[p], %B[a]\n\t"
+        "1:\n\t"
+        : [p] "=&r"(product), [zero] "=&r"(zero)
+        : [a] "r"(a), [b] "r"(half)
+        : "r0");
+    return product;
+#else
+    return a * b;
+#endif
+}
+
+/** \return sum + a b modulo 2^32. */
+CCGEN_INLINE uint32_t ccgen_add_product16(const uint32_t sum, const int16_t a, const int16_t b) {
+#if CCGEN_AVR_PRODUCTS
+    uint32_t result = sum;
+    uint8_t zero;
+    __asm__(
+        "clr %[zero]\n\t"
+        "mul %A[a], %A[b]\n\t"
+        "add %A[s], r0\n\t"
+        "adc %B[s], r1\n\t"
+        "adc %C[s], %[zero]\n\t"
+        "adc %D[s], %[zero]\n\t"
+        "muls %B[a], %B[b]\n\t"
+        "add %C[s], r0\n\t"
+        "adc %D[s], r1\n\t"
+        "mulsu %B[a], %A[b]\n\t"
+        "sbc %D[s], %[zero]\n\t"
+        "add %B[s], r0\n\t"
+        "adc %C[s], r1\n\t"
+        "adc %D[s], %[zero]\n\t"
+        "mulsu %B[b], %A[a]\n\t"
+        "sbc %D[s], %[zero]\n\t"
+        "add %B[s], r0\n\t"
+        "adc %C[s], r1\n\t"
+        "adc %D[s], %[zero]\n\t"
+        "clr r1"
+        : [s] "+r"(result), [zero] "=&r"(zero)
+        : [a] "a"(a), [b] "a"(b)
+        : "r0");
+    return result;
+#else
+    return sum + CCGEN_CAST(uint32_t, CCGEN_CAST(int32_t, a) * b); /* MISRA 10.8 */
 #endif
 }
 
