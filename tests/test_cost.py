@@ -58,6 +58,8 @@ def test_every_core_is_measured_whole(costs, target):
     assert max(parts) < cost.times.snapshot <= sum(parts)
     assert 0 < cost.times.health < cost.times.transmit
     assert record["instructions_per_estimate"] == cost.times.estimate
+    assert record["instructions_per_jacobian"] > cost.times.tip_pose
+    assert "integer_tip_jacobian" not in cost.stacks, "no node calls it"
     assert record["unit"] == ("cycles" if target == "avr" else "instructions")
     assert not {"instructions_per_check", "instructions_per_examination"} & set(record)
 

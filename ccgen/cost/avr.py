@@ -24,6 +24,9 @@ _EMPTY = (7, 8)
 _FOLLOW, _EXAMINED, _EXAMINED_FOLLOW = 11, 12, 13
 """Noted before a quiet snapshot is followed, an examined one is estimated, and it is followed."""
 
+_JACOBIAN = 14
+"""Noted before the tip Jacobian of a snapshot's angles."""
+
 
 def cycles(exported: Exported, program: Path, folder: Path) -> Times:
     """Run the harness's own main.
@@ -60,8 +63,8 @@ def _times(notes: list[tuple[int, int]], functions: Sequence[str]) -> Times:
     snapshots: list[dict[int, int]] = []
     for place, (number, taken) in enumerate(spent):
         if number == _ESTIMATE:
-            snapshots.append(dict.fromkeys((*_PARTS, _FOLLOW, *own), 0))
-        if number in (*_PARTS, _FOLLOW, *own):
+            snapshots.append(dict.fromkeys((*_PARTS, _FOLLOW, _JACOBIAN, *own), 0))
+        if number in (*_PARTS, _FOLLOW, _JACOBIAN, *own):
             is_health = number == _TRANSMIT and notes[place + 2][0] == _WAS_HEALTH
             snapshots[-1][_WAS_HEALTH if is_health else number] += taken - empty
     return Times.of(
@@ -75,6 +78,7 @@ def _times(notes: list[tuple[int, int]], functions: Sequence[str]) -> Times:
                 health=one[_WAS_HEALTH],
                 functions={name: one[number] for name, number in zip(functions, own, strict=True)},
                 follow=one[_FOLLOW] or None,
+                jacobian=one[_JACOBIAN],
             )
             for one in snapshots
         ],

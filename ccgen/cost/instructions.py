@@ -39,6 +39,7 @@ class Times:
         unit: "instructions" or "cycles".
         checks: None where no sensors are checked.
         functions: of the user's own, by name; part of no snapshot.
+        jacobian: the tip Jacobian in integers, part of no snapshot either.
     """
 
     estimate: int
@@ -48,6 +49,7 @@ class Times:
     transmit: int
     health: int
     snapshot: int
+    jacobian: int
     unit: str
     checks: Checks | None = None
     functions: Mapping[str, int] = field(default_factory=dict)
@@ -73,6 +75,7 @@ class Spent:
         received: by the calls that took its frames, the last with estimate and tip pose in it.
         functions: of the user's own, by name, of its angles.
         follow: estimate and check together; None where no sensors are checked.
+        jacobian: as of `Times`.
     """
 
     estimate: int
@@ -83,6 +86,7 @@ class Spent:
     health: int
     functions: Mapping[str, int]
     follow: int | None
+    jacobian: int
 
     @property
     def check(self) -> int:
@@ -113,7 +117,9 @@ class Examined:
         return self.follow - self.estimate
 
 
-_COUNTED = ("estimate", "tip_pose", "frame", "receive", "transmit", "health", "snapshot")
+_COUNTED = (
+    "estimate", "tip_pose", "frame", "receive", "transmit", "health", "snapshot", "jacobian",
+)  # fmt: skip
 
 
 class _Machine:
@@ -189,11 +195,12 @@ def _snapshot(
     again, _ = machine.call("node_receive", "cost_node", sent + k * frames * frame_size, now)
     frame = max([again, *(taken for taken, _ in received[:-1])])
     taken = sum(taken for taken, _ in received)
+    jacobian, _ = machine.call("integer_tip_jacobian", "cost_angles", "cost_jacobian")
     functions = {
         function.name: machine.call(function.name, "cost_angles", *variables)[0]
         for function, variables in results_of(exported)
     }
-    return Spent(estimate, tip_pose, frame, taken, answers, health, functions, follow)
+    return Spent(estimate, tip_pose, frame, taken, answers, health, functions, follow, jacobian)
 
 
 def _id_of(program: Program) -> int:

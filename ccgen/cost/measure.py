@@ -8,8 +8,9 @@ from typing import Any
 
 from ccgen.cost import stack
 from ccgen.cost.instructions import Times, count
-from ccgen.cost.program import calls_of, compile_measured
+from ccgen.cost.program import JACOBIAN, calls_of, compile_measured
 from ccgen.cost.size import FUNCTIONS, Size, read_map
+from ccgen.cost.size import JACOBIAN as JACOBIAN_SIZE
 from ccgen.errors import CheckError
 from ccgen.targets.compiler import LEVEL
 from ccgen.targets.cores import COUNTED, core_named
@@ -32,6 +33,7 @@ class Cost:
         times: the most that each call took.
         functions: bytes of the user's own functions, beside those of a node.
         function_stacks: their worst case, bytes.
+        jacobian: bytes of the tip Jacobian in integers, beside those of a node.
     """
 
     target: str
@@ -43,6 +45,7 @@ class Cost:
     times: Times
     functions: Size
     function_stacks: Mapping[str, int]
+    jacobian: Size
 
     @property
     def code_bytes(self) -> int:
@@ -88,6 +91,7 @@ class Cost:
             "instructions_per_transmit": self.times.transmit,
             "instructions_per_health": self.times.health,
             "instructions_per_snapshot": self.times.snapshot,
+            "instructions_per_jacobian": self.times.jacobian,
             **self._checks(),
             "parts": {
                 name: {"code_bytes": part.code, "constant_bytes": part.constants}
@@ -101,6 +105,7 @@ class Cost:
                 }
                 for name, taken in self.times.functions.items()
             },
+            "jacobian_flash_bytes": self.jacobian.code + self.jacobian.constants,
             "functions_flash_bytes": self.functions.code + self.functions.constants,
         }
 
@@ -131,9 +136,10 @@ def measure(exported: Exported, target: str, level: str = LEVEL) -> Cost:
         frames = stack.read_frames(folder)
         joint = exported.joint.name
         own = [function.name for function in exported.functions.compiled]
+        beside = (*own, JACOBIAN)
         stacks = {
             call: stack.worst_case(f"{joint}_{call}", functions, frames)[0]
-            for call in (*calls_of(exported), "node_init", *own)
+            for call in (*calls_of(exported), "node_init", *beside)
         }
         times = _times(exported, target, compiled.program, folder, max(stacks.values()))
         parts = read_map(compiled.map, joint)
@@ -141,10 +147,11 @@ def measure(exported: Exported, target: str, level: str = LEVEL) -> Cost:
             target=target,
             level=level,
             functions=parts.pop(FUNCTIONS),
+            jacobian=parts.pop(JACOBIAN_SIZE),
             parts=parts,
             state_bytes=compiled.state_bytes,
             constants_in_ram=not core.constants_in_flash,
-            stacks={call: taken for call, taken in stacks.items() if call not in own},
+            stacks={call: taken for call, taken in stacks.items() if call not in beside},
             function_stacks={call: stacks[call] for call in own},
             times=times,
         )

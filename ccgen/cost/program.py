@@ -22,7 +22,10 @@ _OF_THE_HOST = {HOST: ("-mno-red-zone",)}
 
 _CALLS = ("estimate", "integer_tip_pose", "node_receive", "node_transmit")
 
-_VARIABLES = ("counts", "frames", "joint", "angles", "pose", "node", "frame")
+_VARIABLES = ("counts", "frames", "joint", "angles", "pose", "jacobian", "node", "frame")
+
+JACOBIAN = "integer_tip_jacobian"
+"""Measured beside the node, which does not call it."""
 
 
 def calls_of(exported: Exported) -> tuple[str, ...]:
@@ -75,7 +78,10 @@ def compile_measured(exported: Exported, core: Core, folder: Path, level: str = 
         command = [*compiler, "-c", str(file), "-o", str(objects[-1])]
         run_compiler(command, folder, f"{exported.directory}: {compiler[0]}")
     roots = [
-        *(f"{joint}_{call}" for call in (*calls_of(exported), "init", "capture_zero", "node_init")),
+        *(
+            f"{joint}_{call}"
+            for call in (*calls_of(exported), JACOBIAN, "init", "capture_zero", "node_init")
+        ),
         *(f"cost_{variable}" for variable in _VARIABLES),
         *(f"{joint}_{function.name}" for function, _ in harness.results_of(exported)),
         *(one for _, variables in harness.results_of(exported) for one in variables),

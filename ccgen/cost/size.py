@@ -22,6 +22,9 @@ HARNESS = "ccgen_harness"
 FUNCTIONS = "functions"
 """The user's own, which no node needs."""
 
+JACOBIAN = "jacobian"
+"""The tip Jacobian in integers, likewise."""
+
 PARTS = ("estimator", "kinematics", "node", "library")
 """The joint's three parts, the runtime counted as the node's, and the compiler's own functions."""
 
@@ -61,7 +64,7 @@ def read_map(path: Path, joint: str) -> dict[str, Size]:
     _, heading, linked = path.read_text(encoding="utf-8").partition(_LINKED)
     if not heading:
         raise ToolError(f"{path.name}: no linker's map of GNU binutils")
-    sizes = dict.fromkeys((*PARTS, FUNCTIONS), Size())
+    sizes = dict.fromkeys((*PARTS, FUNCTIONS, JACOBIAN), Size())
     for entry in _ENTRY.finditer(linked):
         part = _part(entry["file"], joint)
         if part is not None:
@@ -75,7 +78,7 @@ def _part(file: str, joint: str) -> str | None:
     name = Path(file).name
     parts = {
         f"{joint}.o": "estimator", f"{joint}_pose.o": "kinematics", f"{joint}_can.o": "node",
-        f"{joint}_functions.o": FUNCTIONS,
+        f"{joint}_functions.o": FUNCTIONS, f"{joint}_jacobian.o": JACOBIAN,
     }  # fmt: skip
     if name in parts:
         return parts[name]
