@@ -3,7 +3,8 @@
  */
     .option arch, +zicsr
 
-    .section .text.start, "ax"
+    /* Outside of .text: with -ffunction-sections a function has a section of its name there. */
+    .section .startup, "ax"
     .globl _start
 _start:
     .option push
