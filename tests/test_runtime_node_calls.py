@@ -136,6 +136,7 @@ def test_values_go_out_axis_by_axis_and_an_axis_without_rows_needs_none(rows, pr
     body = b""
     while transmit(*arguments) == 1:
         body += sent.payload()[2 : 8 if precision == 16 else 6]
+        assert not any(bytes(sent.data)[len(sent.payload()) :])  # nothing behind the frame's end
         assert len(body) < 1000
     size = precision // 8
     values = [
