@@ -288,7 +288,11 @@ AVR_PRODUCT = of(
     ("test_polynomial_cores.py::test_products_in_avrs_assembly_have_the_bits_of_plain_c",),
     ('"mov %[behind], r1\\n\\t"', '"clr %[behind]\\n\\t"'),
     ("a >> (bits & ~7)", "a >> (bits & ~15)"),
-    ("} else if (bits < 16) {", "} else if (bits < 24) {"),
+    (
+        "} else if (bits < 16) {",
+        "} else if (bits < 24) {",
+        "a byte more is shifted, which holds signs alone and stays as it is: slower, the same bits",
+    ),
     ('mov %D0, %C0"\n                : ', 'mov %D0, %D0"\n                : '),
     ("__asm__(CCGEN_HALVE_3 CCGEN_HALVE_3 : ", "__asm__(CCGEN_HALVE_2 CCGEN_HALVE_2 : "),
     (
