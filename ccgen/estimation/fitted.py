@@ -202,8 +202,18 @@ class FittedWeights:
 
     def fallback(self, axis: str, sensor: int, task: Task | None = None) -> Weights | None:
         """Weights of an axis without a sensor of the joint; None where it is lost without it."""
-        first = self.sensed.own(axis).start
-        return fallback(task or self.task, axis, self._serving, sensor - first)
+        task = task or self.task
+        key = (axis, sensor, id(task))
+        if key not in self._fallbacks:
+            first = self.sensed.own(axis).start
+            found = fallback(task, axis, self._serving, sensor - first)
+            self._fallbacks[key] = task, found
+        return self._fallbacks[key][1]
+
+    @cached_property
+    def _fallbacks(self) -> dict[tuple[str, int, int], tuple[Task, Weights | None]]:
+        """What was found before, with its task, so that no other takes its identity."""
+        return {}
 
     def _without(self, sensor: int) -> Without:
         name, readers = self.sensed.sensors[sensor].name, self._readers(sensor)

@@ -16,7 +16,7 @@ def two_masks(layout: FrameLayout) -> list[tuple[int, int]]:
     through the first two, whose frames have the FIFO of two buffers.
     """
     lengths, wanted = _lengths(layout), _wanted(layout)
-    sizes = [2**k for k in range(max(wanted).bit_length())]
+    sizes = [2**k for k in range(max(1, max(wanted).bit_length()))]
     sizes = [size for size in sizes if size <= 2 * (max(wanted) - min(wanted) + 1)]
     found = []
     for first_size in sizes:

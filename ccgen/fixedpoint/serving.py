@@ -73,15 +73,24 @@ def quantise_with_fallbacks(
             break
         model = following
         limit = weight_limit(model) / _gain_per_weight(joint, axis)
-        kept = [None if one is None else held(task, axis, one, limit) for one in lost]
-        fits = all(
-            one is None or one is free or expected_error(task, axis, one) <= most
-            for one, free, most in zip(kept, lost, allowed, strict=True)
-        )
-        if fits or coarser == _COARSER or model.shift == 0:
+        if (
+            coarser == _COARSER
+            or model.shift == 0
+            or all(
+                free is None or _bears(task, axis, free, limit, most)
+                for free, most in zip(lost, allowed, strict=True)
+            )
+        ):
             break
+    kept = [None if one is None else held(task, axis, one, limit) for one in lost]
     gains = [None if one is None else count_gains(joint, axis, one) for one in kept]
     return ServedAxis(model, fallbacks(model, gains), kept)
+
+
+def _bears(task: Task, axis: str, free: Weights, limit: Floats, most: float) -> bool:
+    """Whether weights within the limit err by no more than is allowed."""
+    own = held(task, axis, free, limit)
+    return own is free or expected_error(task, axis, own) <= most
 
 
 def _allowed(task: Task, axis: str, weights: Weights | None) -> float:

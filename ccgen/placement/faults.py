@@ -38,8 +38,11 @@ def visible_faults(angles: Floats, spans: Spans, noise_rad: Floats, rate: float)
     found = parity(sound)
     limits = thresholds(found.alarming, sound, rate)
     told = faults(found.alarming, found.naming, limits, sound)
-    percent = 100.0 * told.detectable / np.abs(read).max(axis=0)
-    return np.asarray(np.where(percent <= 100.0, percent, np.nan))
+    largest = np.abs(read).max(axis=0)
+    seen = (told.detectable <= largest) & (largest > 0.0)
+    percent = np.full(sensors, np.nan)
+    percent[seen] = 100.0 * told.detectable[seen] / largest[seen]
+    return percent
 
 
 def wide_shapes(joint: "Joint") -> "Shapes":

@@ -138,11 +138,7 @@ LAYOUT = of(
 COUNTS = of(
     "include/ccgen/layout_inline.h",
     ("test_runtime_node_calls.py", "test_runtime_sending.py"),
-    (
-        "(first <= CCGEN_SENSORS_MAX) && ",
-        "",
-        "what is left of the sensors is then below 0, as ints go, and no number of them is",
-    ),
+    ("(first <= CCGEN_SENSORS_MAX) && ", ""),
     ("(sensors <= (CCGEN_SENSORS_MAX - first))", "true"),
     (
         "all[first + j] = (counts[j] == INT16_MIN) ? INT32_MIN : (int32_t)counts[j];",
