@@ -96,7 +96,7 @@ class TransformBroadcaster:
         assert isinstance(node, Node)
         self.sent = []
 
-    def sendTransform(self, transform):  # noqa: N802
+    def sendTransform(self, transform):  # noqa: N802 (the name that tf2_ros gives it)
         transforms = transform if isinstance(transform, list) else [transform]
         assert all(isinstance(one, TransformStamped) for one in transforms)
         self.sent.append(transforms)

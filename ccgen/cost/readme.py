@@ -70,9 +70,8 @@ def markdown(costs: "Sequence[Cost]", has_float: bool = True) -> str:
         "the estimate, the tip pose and its answer transmitted, and all of it. HEALTH, which "
         f"belongs to no snapshot, takes {_span([cost.times.health for cost in costs])} a frame. "
         f"{examination(costs)}Measured by `ccgen cost`.",
-        "", f"| {' | '.join(titles)} |", f"|---{'|---:' * (len(titles) - 1)}|",
+        "", *_markdown_table(titles, rows),
     ]  # fmt: skip
-    lines += [f"| {' | '.join(row)} |" for row in rows]
     if any(cost.times.functions for cost in costs):
         lines += ["", *_functions_table(costs)]
     return "\n".join(lines) + "\n"
@@ -83,9 +82,14 @@ def _functions_table(costs: "Sequence[Cost]") -> list[str]:
     return [
         "The functions of your own module, beside the node: the most instructions (AVR: cycles) of "
         "a call, and bytes of flash of all.",
-        "", f"| {' | '.join(titles)} |", f"|---{'|---:' * (len(titles) - 1)}|",
-        *(f"| {' | '.join(row)} |" for row in rows),
+        "", *_markdown_table(titles, rows),
     ]  # fmt: skip
+
+
+def _markdown_table(titles: "Sequence[str]", rows: "Sequence[Sequence[str]]") -> list[str]:
+    """Lines of a table whose first column is words and whose others are numbers."""
+    head = [f"| {' | '.join(titles)} |", f"|---{'|---:' * (len(titles) - 1)}|"]
+    return [*head, *(f"| {' | '.join(row)} |" for row in rows)]
 
 
 def functions_table(costs: "Sequence[Cost]") -> tuple[list[str], list[list[str]]]:

@@ -19,7 +19,7 @@ from ccgen.estimation.fallback import fallback
 from ccgen.estimation.fit import Task
 from ccgen.estimation.held_out import Block, Choice, RecordedFit
 from ccgen.estimation.recorded import Recorded
-from ccgen.estimation.sources import CASES, LOADS, OTHER, RECORDING, Source, within_axes
+from ccgen.estimation.sources import CASES, LOADS, OTHER, RECORDING, Source
 from ccgen.estimation.weights import Weights
 from ccgen.joint import METHODS
 from ccgen.recordings.progress import Report, in_silence
@@ -191,6 +191,7 @@ class FittedWeights:
 
     @cached_property
     def _others(self) -> list[Source]:
+        from ccgen.shapes import within_axes
         from ccgen.shapes.loads.library import other_library
 
         own = [

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.errors import InputError
-from ccgen.estimation.sources import Source, source_weights, within_axes
+from ccgen.estimation.sources import Source, source_weights
 from ccgen.estimation.weights import Floats
 from ccgen.recordings.progress import Report, in_silence
 from ccgen.sensing.readings import normaliser
-from ccgen.shapes import Shapes
+from ccgen.shapes import Shapes, within_axes
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint, Sensor

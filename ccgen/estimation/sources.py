@@ -14,7 +14,7 @@ import numpy as np
 from ccgen.errors import InputError
 from ccgen.estimation.weights import Floats
 from ccgen.sensing.readings import length_changes, normaliser
-from ccgen.shapes import Shapes, fit_shapes
+from ccgen.shapes import Shapes, fit_shapes, within_axes
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint
@@ -139,14 +139,6 @@ def still_axes(joint: "Joint", sources: Sequence[Source]) -> list[str]:
         return []
     largest = np.abs(np.concatenate(counted)).max(axis=0, initial=0.0)
     return [axis for axis in joint.axes if np.all(largest[joint.rows(axis)] < _STILL)]
-
-
-def within_axes(joint: "Joint", shapes: Shapes) -> Shapes:
-    """The same shapes without bending about an axis that the joint leaves out."""
-    out = {
-        axis: np.zeros_like(getattr(shapes, axis)) for axis in ("u", "v") if axis not in joint.axes
-    }
-    return replace(shapes, **out) if out else shapes
 
 
 @dataclass(frozen=True, eq=False)

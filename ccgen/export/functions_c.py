@@ -50,12 +50,12 @@ def _context(name: str, function: Compiled) -> dict[str, Any]:
     for output, row in outputs.items():
         single = row[0].element is None
         parameters.append(f"int32_t *{output}" if single else f"int32_t {output}[{len(row)}]")
-    symbol = f"{name}_{function.name}"
+    symbol = _symbol(name, function)
     results = [
         {
             "name": output,
             "said": output if row[0].element is None else f"An element of {output}",
-            "macro": f"{symbol}_{output}_BITS".upper(),
+            "macro": _macro(symbol, output),
             "bits": row[0].fraction_bits,
             "elements": len(row),
             "single": row[0].element is None,
@@ -92,9 +92,19 @@ def _require_names(name: str, functions: JointFunctions) -> None:
 
 
 def _symbols(name: str, functions: JointFunctions) -> Iterable[str]:
-    for one in functions_context(name, functions):
-        yield one["symbol"]
-        yield from (result["macro"] for result in one["results"])
+    """All that C knows by name of them."""
+    for function in functions.compiled:
+        symbol = _symbol(name, function)
+        yield symbol
+        yield from (_macro(symbol, output) for output in outputs_of(function))
+
+
+def _symbol(name: str, function: Compiled) -> str:
+    return f"{name}_{function.name}"
+
+
+def _macro(symbol: str, output: str) -> str:
+    return f"{symbol}_{output}_BITS".upper()
 
 
 def require_free(name: str, functions: JointFunctions, texts: Mapping[str, str]) -> None:

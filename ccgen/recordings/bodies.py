@@ -252,14 +252,6 @@ def _reference(
         state=posterior.state[:, :-1] @ cut.gather.T,
         covariance=cut.gather @ posterior.with_doubt()[:, :-1, :-1] @ cut.gather.T,
         second_moment=cut.gather @ shared.second_moment[:-1, :-1] @ cut.gather.T,
-        lengths=None if read is None else read.lengths,
-        gain=None if known is None else known.gain,
-        gain_std=None if known is None else known.gain_std,
-        zero=None if known is None else known.zero,
-        zero_std=None if known is None else known.zero_std,
-        noise=None if read is None or known is None else read.own_noise(known.noise),
-        delay_s=0.0 if read is None else read.delay.seconds,
-        delay_std_s=0.0 if read is None else read.delay.std,
         notes=recording.notes + _said(part, posterior),
         compliance=shared.compliance if recording.file.use == "fit" else None,
         sighting=Sighting(
@@ -271,7 +263,7 @@ def _reference(
             cut.coarse,
         ),
         learned=shared.learned,
-    )
+    ).with_readings(read, known)
 
 
 def _anew(
@@ -300,19 +292,11 @@ def _anew(
         state=state,
         covariance=None,
         second_moment=cut.gather @ shared.second_moment[:-1, :-1] @ cut.gather.T,
-        lengths=None if read is None else read.lengths,
-        gain=None if known is None else known.gain,
-        gain_std=None if known is None else known.gain_std,
-        zero=None if known is None else known.zero,
-        zero_std=None if known is None else known.zero_std,
-        noise=None if read is None or known is None else read.own_noise(known.noise),
-        delay_s=0.0 if read is None else read.delay.seconds,
-        delay_std_s=0.0 if read is None else read.delay.std,
         notes=(),
         compliance=shared.compliance,
         sighting=None,
         learned=shared.learned,
-    )
+    ).with_readings(read, known)
 
 
 def _posterior(

@@ -159,16 +159,8 @@ def _reference(part: _Part, sensed: Sensed | None) -> Reference:
         state=part.state,
         covariance=None,
         second_moment=known.T @ known / max(len(known), 1),
-        lengths=None if read is None else read.lengths,
-        gain=None if sensed is None else sensed.gain,
-        gain_std=None if sensed is None else sensed.gain_std,
-        zero=None if sensed is None else sensed.zero,
-        zero_std=None if sensed is None else sensed.zero_std,
-        noise=None if read is None or sensed is None else read.own_noise(sensed.noise),
-        delay_s=0.0 if read is None else read.delay.seconds,
-        delay_std_s=0.0 if read is None else read.delay.std,
         notes=recording.notes + _said(part),
-    )
+    ).with_readings(read, sensed)
 
 
 def _said(part: _Part) -> tuple[str, ...]:

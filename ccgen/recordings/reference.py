@@ -1,11 +1,13 @@
 """Reference shapes of a recording with what its sensors read: one type for all that follows."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ccgen.recordings.gains import Sensed
 from ccgen.recordings.learning import Learned
+from ccgen.recordings.lengths import Read
 from ccgen.recordings.recording import Recording
 from ccgen.recordings.stations import Sighting, StationErrors
 
@@ -53,18 +55,32 @@ class Reference:
     state: Floats
     covariance: Floats | None
     second_moment: Floats
-    lengths: Floats | None
-    gain: Floats | None
-    gain_std: Floats | None
-    zero: Floats | None
-    zero_std: Floats | None
-    noise: Floats | None
-    delay_s: float
-    delay_std_s: float
+    lengths: Floats | None = None
+    gain: Floats | None = None
+    gain_std: Floats | None = None
+    zero: Floats | None = None
+    zero_std: Floats | None = None
+    noise: Floats | None = None
+    delay_s: float = 0.0
+    delay_std_s: float = 0.0
     notes: tuple[str, ...] = ()
     sighting: Sighting | None = None
     compliance: Floats | None = None
     learned: Learned | None = None
+
+    def with_readings(self, read: Read | None, sensed: Sensed | None) -> "Reference":
+        """The same shapes with what was read beside them, and what is known of the sensors."""
+        return replace(
+            self,
+            lengths=None if read is None else read.lengths,
+            gain=None if sensed is None else sensed.gain,
+            gain_std=None if sensed is None else sensed.gain_std,
+            zero=None if sensed is None else sensed.zero,
+            zero_std=None if sensed is None else sensed.zero_std,
+            noise=None if read is None or sensed is None else read.own_noise(sensed.noise),
+            delay_s=0.0 if read is None else read.delay.seconds,
+            delay_std_s=0.0 if read is None else read.delay.std,
+        )
 
     def stations(self, estimate: Floats) -> dict[str, StationErrors]:
         """Errors of an estimate at the stations of bodies, by name; none where it is dense.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.joint import Joint
-from ccgen.shapes import ShapeLibrary, Shapes, unstretched
+from ccgen.shapes import ShapeLibrary, Shapes, unstretched, within_axes
 from ccgen.shapes.loads.library import loads_library
 
 Floats = NDArray[np.float64]
@@ -41,24 +41,15 @@ def joint_motion(
     """
     drawn = loads_library(joint) if source == LOADS else None
     if drawn is not None:
-        return _within_axes(joint, loads_motion(drawn.shapes, np.arange(count) / period, seed))
+        return within_axes(joint, loads_motion(drawn.shapes, np.arange(count) / period, seed))
     if library is None:
         raise ValueError(f"{source!r} takes the shapes of the joint's load cases, or its loads")
     geometry = joint.geometry
-    bends = _within_axes(joint, motion(source, library, count, period, seed))
+    bends = within_axes(joint, motion(source, library, count, period, seed))
     low, high = geometry.elongation or (0.0, 0.0)
     rate = 1.0 + np.arange(len(geometry.sections)) / len(geometry.sections)
     share = 0.5 - 0.5 * np.cos(2 * np.pi * np.outer(np.arange(count) / period, rate))
     return Shapes(bends.u, bends.v, low + (high - low) * share, bends.source)
-
-
-def _within_axes(joint: Joint, shapes: Shapes) -> Shapes:
-    """The same shapes of a joint that does not bend about axes that it leaves out."""
-    u, v = (
-        values if axis in joint.axes else np.zeros_like(values)
-        for axis, values in (("u", shapes.u), ("v", shapes.v))
-    )
-    return Shapes(u, v, shapes.h, shapes.source)
 
 
 def motion(source: str, library: ShapeLibrary, count: int, period: int, seed: int = 0) -> Shapes:

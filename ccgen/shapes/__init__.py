@@ -11,7 +11,7 @@ from ccgen.shapes.cases import (
     single_shape,
 )
 from ccgen.shapes.combined import combined_shapes, fit_shapes, score_shapes
-from ccgen.shapes.library import Shapes, bent_alike, joined, unstretched
+from ccgen.shapes.library import Shapes, bent_alike, joined, unstretched, within_axes
 
 __all__ = [
     "ShapeLibrary",
@@ -29,4 +29,5 @@ __all__ = [
     "shape_library",
     "single_shape",
     "unstretched",
+    "within_axes",
 ]

@@ -1,10 +1,14 @@
 """Rows of states: every shape that a joint takes, whatever it came from, and its source."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from ccgen.joint import Joint
 
 Floats = NDArray[np.float64]
 
@@ -98,3 +102,11 @@ def joined(parts: Sequence[Shapes]) -> Shapes:
         np.concatenate([part.h for part in parts]),
         tuple(name for part in parts for name in part.source),
     )
+
+
+def within_axes(joint: "Joint", shapes: Shapes) -> Shapes:
+    """The same shapes without bending about an axis that the joint leaves out."""
+    out = {
+        axis: np.zeros_like(getattr(shapes, axis)) for axis in ("u", "v") if axis not in joint.axes
+    }
+    return replace(shapes, **out) if out else shapes
