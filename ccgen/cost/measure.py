@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ccgen.cost import stack
 from ccgen.cost.instructions import Times, count
 from ccgen.cost.program import JACOBIAN, calls_of, compile_measured
 from ccgen.cost.size import FUNCTIONS, Size, read_map
 from ccgen.cost.size import JACOBIAN as JACOBIAN_SIZE
+from ccgen.cost.stack import read_disassembly, read_frames, worst_case
 from ccgen.errors import CheckError
 from ccgen.targets.compiler import LEVEL
 from ccgen.targets.cores import COUNTED, core_named
@@ -132,13 +132,13 @@ def measure(exported: Exported, target: str, level: str = LEVEL) -> Cost:
     with tempfile.TemporaryDirectory(prefix="ccgen-") as name:
         folder = Path(name)
         compiled = compile_measured(exported, core, folder, level)
-        functions = stack.read_disassembly(compiled.disassembly, core.return_bytes)
-        frames = stack.read_frames(folder)
+        functions = read_disassembly(compiled.disassembly, core.return_bytes)
+        frames = read_frames(folder)
         joint = exported.joint.name
         own = [function.name for function in exported.functions.compiled]
         beside = (*own, JACOBIAN)
         stacks = {
-            call: stack.worst_case(f"{joint}_{call}", functions, frames)[0]
+            call: worst_case(f"{joint}_{call}", functions, frames)[0]
             for call in (*calls_of(exported), "node_init", *beside)
         }
         times = _times(exported, target, compiled.program, folder, max(stacks.values()))
@@ -159,9 +159,9 @@ def measure(exported: Exported, target: str, level: str = LEVEL) -> Cost:
 
 def _times(exported: Exported, target: str, program: Path, folder: Path, bound: int) -> Times:
     if target == "avr":
-        from ccgen.cost import avr
+        from ccgen.cost.avr import cycles
 
-        return avr.cycles(exported, program, folder)
+        return cycles(exported, program, folder)
     from ccgen.cost.emulator import CORES as EMULATED
     from ccgen.cost.emulator import Program
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ccgen.cost import harness
+from ccgen.cost.harness import results_of, source
 from ccgen.cost.link import link
 from ccgen.cost.size import HARNESS
 from ccgen.targets.compiler import LEVEL, run_compiler, sources
@@ -68,7 +68,7 @@ def compile_measured(exported: Exported, core: Core, folder: Path, level: str = 
     """
     joint = exported.joint.name
     main = folder / f"{HARNESS}.c"
-    main.write_text(harness.source(exported), encoding="utf-8")
+    main.write_text(source(exported), encoding="utf-8")
     flags = (*FLAGS, *_OF_THE_HOST.get(core.name, ()))
     compiler = [*core.compile, level, *flags, f"-I{exported.directory.absolute() / 'src'}"]
     objects = []
@@ -83,8 +83,8 @@ def compile_measured(exported: Exported, core: Core, folder: Path, level: str = 
             for call in (*calls_of(exported), JACOBIAN, "init", "capture_zero", "node_init")
         ),
         *(f"cost_{variable}" for variable in _VARIABLES),
-        *(f"{joint}_{function.name}" for function, _ in harness.results_of(exported)),
-        *(one for _, variables in harness.results_of(exported) for one in variables),
+        *(f"{joint}_{function.name}" for function, _ in results_of(exported)),
+        *(one for _, variables in results_of(exported) for one in variables),
     ]
     program = folder / "cost.elf"
     if core.name == "avr":

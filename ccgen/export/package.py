@@ -10,8 +10,8 @@ from ccgen import resources
 from ccgen.can.layout import FrameLayout, layout_for
 from ccgen.errors import ArgumentError, InputError
 from ccgen.estimation.sources import CASES, LOADS, RECORDING
-from ccgen.export import context
 from ccgen.export.arrangement import arrangement_context
+from ccgen.export.context import can_context, common_context
 from ccgen.export.dbc import dbc_text
 from ccgen.export.errors_context import errors_context
 from ccgen.export.examples import check_kinds, example_files
@@ -159,10 +159,10 @@ def render(
     layout = layout_for(joint, model.readings)
     runtime, poses = runtime_files(), fitted.poses
     values: dict[str, Any] = {
-        **context.common_context(joint, fitted.method),
+        **common_context(joint, fitted.method),
         **model_context(fitted, layout),
         **guard_context(fitted, layout),
-        **context.can_context(layout, joint, fitted.guarded),
+        **can_context(layout, joint, fitted.guarded),
         **errors_context(fitted),
         "drawing": arrangement_context(joint),
         **selftest_context(joint, fitted.guarded, poses, layout, fitted.shapes),

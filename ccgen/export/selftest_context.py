@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from ccgen.can.layout import FrameLayout
-from ccgen.export import vectors
 from ccgen.export.fields import Field, fields_of
 from ccgen.export.model_context import relative_arrays
+from ccgen.export.vectors import outcome
 from ccgen.fixedpoint import FixedPointModel
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.model import Integers
@@ -36,9 +36,7 @@ def selftest_context(
     return {
         "vectors": _vectors(joint, model, poses, fields_of(joint, layout), shapes),
         "drawn": {key: values.tolist() for key, values in arrays.items()},
-        "checksums": [
-            vectors.outcome(guarded, seed, BLOCK_SNAPSHOTS).checksum for seed in range(BLOCKS)
-        ],
+        "checksums": [outcome(guarded, seed, BLOCK_SNAPSHOTS).checksum for seed in range(BLOCKS)],
         "block_snapshots": BLOCK_SNAPSHOTS,
         "stack_bytes": 100 * math.ceil((state + 150) / 100),
     }

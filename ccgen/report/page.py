@@ -18,7 +18,17 @@ from ccgen.fixedpoint import fit as fitted_to
 from ccgen.joint import Joint
 from ccgen.joint.file import load
 from ccgen.outputs import write_file
-from ccgen.report import tables
+from ccgen.report.tables import (
+    Table,
+    bus,
+    checks,
+    errors,
+    facts,
+    fixed_point,
+    sensors,
+    stations,
+    without,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,7 +52,7 @@ def report(subject: Fit | Joint | str | Path, output: str | Path, cost: bool = F
     return path
 
 
-def page(fit: Fit, notes: dict[str, str] | None = None, costs: tables.Table | None = None) -> bytes:
+def page(fit: Fit, notes: dict[str, str] | None = None, costs: Table | None = None) -> bytes:
     """The page as HTML; the same fit gives the same bytes.
 
     Args:
@@ -52,18 +62,18 @@ def page(fit: Fit, notes: dict[str, str] | None = None, costs: tables.Table | No
     """
     html = resources.template("joint_report.html.j2").render(
         name=fit.joint.name,
-        facts=tables.facts(fit),
+        facts=facts(fit),
         warnings=fit.warnings,
-        errors=tables.errors(fit),
-        stations=tables.stations(fit),
-        without=tables.without(fit),
-        checks=tables.checks(fit),
+        errors=errors(fit),
+        stations=stations(fit),
+        without=without(fit),
+        checks=checks(fit),
         check_notes=fit.checks.notes,
         false_alarms=f"{fit.joint.false_alarms:g}",
-        fixed_point=tables.fixed_point(fit),
-        bus=tables.bus(fit),
+        fixed_point=fixed_point(fit),
+        bus=bus(fit),
         costs=costs,
-        sensors=tables.sensors(fit),
+        sensors=sensors(fit),
         told_on=fit.stated.name,
         pictures={name: _svg(figure) for name, figure in _figures(fit).items()},
         provenance=_provenance(fit) | (notes or {}),
@@ -88,7 +98,7 @@ def _svg(figure: "Figure") -> str:
     return figure_svg(figure)
 
 
-def _costs(fit: Fit) -> tables.Table:
+def _costs(fit: Fit) -> Table:
     """What the exported folder costs on each core."""
     from ccgen.cost.costs import cost
     from ccgen.cost.readme import main_table
@@ -97,7 +107,7 @@ def _costs(fit: Fit) -> tables.Table:
     with TemporaryDirectory() as folder:
         directory = export(fit, Path(folder) / fit.joint.name).directory
         titles, rows = main_table(cost(directory).targets)
-        return tables.Table(titles, tuple(rows))
+        return Table(titles, tuple(rows))
 
 
 def _provenance(fit: Fit) -> dict[str, str]:

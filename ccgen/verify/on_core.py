@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccgen.errors import ToolError
-from ccgen.export import vectors
+from ccgen.export.vectors import checksum, draws, outcome
 from ccgen.targets.compiler import LEVEL
 from ccgen.targets.cores import core_named, require_tools
 from ccgen.targets.emulator import run_to_end
@@ -144,16 +144,16 @@ def compare_batch(exported: Exported, target: str, plan: Plan, printed: Printed)
     """
     blocks = _blocks(exported, plan)
     angles = BLOCK * exported.model.values
-    right = {seed: vectors.outcome(exported.guarded, seed, BLOCK) for seed in _seeds(plan, blocks)}
+    right = {seed: outcome(exported.guarded, seed, BLOCK) for seed in _seeds(plan, blocks)}
     wrong = sum(printed.checksums.get(seed) != one.checksum for seed, one in right.items())
     compared, mismatches, poses, pose_mismatches = printed.vectors
     shapes = pose_angles(exported, plan.seed)
     compared_words = POSES * exported.functions.words
     right_words = exported.functions.evaluate(exported.model, shapes)
-    words_differ = compared_words and printed.functions != vectors.checksum(right_words)
+    words_differ = compared_words and printed.functions != checksum(right_words)
     differ = [
-        printed.integers != vectors.checksum(integer_tips(exported, shapes)),
-        printed.jacobians != vectors.checksum(integer_jacobians(exported, shapes)),
+        printed.integers != checksum(integer_tips(exported, shapes)),
+        printed.jacobians != checksum(integer_jacobians(exported, shapes)),
     ]
     bounds = exported.pose_bounds
     return Run(
@@ -187,7 +187,7 @@ def pose_angles(exported: Exported, seed: int) -> NDArray[np.int64]:
         Shape (POSES, values), u, v, then h.
     """
     model = exported.model
-    drawn = vectors.draws(seed & 0xFFFFFFFF, POSES * model.values).astype(np.int64)
+    drawn = draws(seed & 0xFFFFFFFF, POSES * model.values).astype(np.int64)
     signed = (drawn ^ 2**31) - 2**31
     return (signed >> (32 - model.precision)).reshape(POSES, model.values)
 
