@@ -95,6 +95,29 @@ class OnController(Zephyr):
         return set(angles)
 
 
+def waits_for_nobody(node):
+    """Nobody acknowledges for twenty cycles of the 40."""
+    busy = node.cycle * 20 + 50
+    sent = node.run(node.incoming(), FAKE_ALONE=f"50-{busy}")
+    assert not any(50 <= at < busy for at, *_ in sent)
+    answered = node.check(sent)
+    assert min(answered) >= 19  # nothing of before comes late
+    assert set(range(22, 40)) <= answered
+    assert node.counters["aborted"] >= 3
+    assert node.counters["errors"] > 0
+
+
+def counts_a_full_queue(node):
+    """The program alone is held up within 60 snapshots; the queue has 16 places."""
+    begin, frames = 50 + 8 * node.cycle, node.exported.layout.lengths_frames
+    held = 16 // frames + 3
+    sent = node.run(node.incoming(), FAKE_BUSY=f"{begin - 1}-{begin + held * node.cycle}")
+    assert set(range(8)) | set(range(8 + held + 3, 60)) <= node.check(sent)
+    lost = node.counters["dropped"]
+    assert lost >= 1
+    assert node.counters["received"] == 60 * frames - lost
+
+
 @pytest.mark.parametrize(("name", "controller"), FDCAN + CLASSIC)
 def test_a_controller_brings_every_snapshot_and_its_answer(folders, tmp_path, name, controller):
     node = OnController(folders / name, tmp_path, controller, 14)
@@ -108,14 +131,7 @@ def test_a_controller_brings_every_snapshot_and_its_answer(folders, tmp_path, na
 @pytest.mark.parametrize(("name", "controller"), SOME)
 def test_nothing_waits_for_a_node_that_acknowledges(folders, tmp_path, name, controller):
     node = OnController(folders / name, tmp_path, controller, 40)
-    busy = node.cycle * 20 + 50
-    sent = node.run(node.incoming(), FAKE_ALONE=f"50-{busy}")
-    assert not any(50 <= at < busy for at, *_ in sent)
-    answered = node.check(sent)
-    assert min(answered) >= 19  # nothing of before comes late
-    assert set(range(22, 40)) <= answered
-    assert node.counters["aborted"] >= 3
-    assert node.counters["errors"] > 0
+    waits_for_nobody(node)
     assert node.counters["bus_off"] == 0
 
 
@@ -152,15 +168,8 @@ def test_a_full_fifo_is_counted_and_leaves_nothing_wrong(folders, tmp_path, name
 
 @pytest.mark.parametrize(("name", "controller"), SOME)
 def test_a_full_queue_is_counted_and_leaves_nothing_wrong(folders, tmp_path, name, controller):
-    """The program alone is held up; the queue has 16 places."""
     node = OnController(folders / name, tmp_path, controller, 60)
-    begin, frames = 50 + 8 * node.cycle, node.exported.layout.lengths_frames
-    held = 16 // frames + 3
-    sent = node.run(node.incoming(), FAKE_BUSY=f"{begin - 1}-{begin + held * node.cycle}")
-    assert set(range(8)) | set(range(8 + held + 3, 60)) <= node.check(sent)
-    lost = node.counters["dropped"]
-    assert lost >= 1
-    assert node.counters["received"] == 60 * frames - lost
+    counts_a_full_queue(node)
 
 
 @pytest.mark.parametrize(("name", "controller"), SOME)

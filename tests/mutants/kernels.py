@@ -294,7 +294,8 @@ AVR_PRODUCT = of(
         "a byte more is shifted, which holds signs alone and stays as it is: slower, the same bits",
     ),
     ('mov %D0, %C0"\n                : ', 'mov %D0, %D0"\n                : '),
-    ("__asm__(CCGEN_HALVE_3 CCGEN_HALVE_3 : ", "__asm__(CCGEN_HALVE_2 CCGEN_HALVE_2 : "),
+    ("            __asm__(once once : ", "            __asm__(once : "),
+    ("CCGEN_HALVE(result, bits, CCGEN_HALVE_3)", "CCGEN_HALVE(result, bits, CCGEN_HALVE_2)"),
     (
         '"mul %C[a], %A[b]\\n\\t"\n        "add %C[p], r0',
         '"mul %C[a], %B[b]\\n\\t"\n        "add %C[p], r0',

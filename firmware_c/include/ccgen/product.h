@@ -78,6 +78,20 @@ CCGEN_INLINE int32_t ccgen_limit32(const int32_t value, const int32_t low, const
 #define CCGEN_HALVE_3 "asr %C0\n\tror %B0\n\tror %A0\n\t"
 #define CCGEN_HALVE_2 "asr %B0\n\tror %A0\n\t"
 #define CCGEN_HALVE_1 "asr %A0\n\t"
+
+/* As often as the low three of `bits` say, without a loop. */
+#define CCGEN_HALVE(result, bits, once)                          \
+    do {                                                         \
+        if (((bits) & 4) != 0) {                                 \
+            __asm__(once once once once : "+r"(result));         \
+        }                                                        \
+        if (((bits) & 2) != 0) {                                 \
+            __asm__(once once : "+r"(result));                   \
+        }                                                        \
+        if (((bits) & 1) != 0) {                                 \
+            __asm__(once : "+r"(result));                        \
+        }                                                        \
+    } while (0)
 #endif
 
 /**
@@ -109,45 +123,13 @@ CCGEN_INLINE int32_t ccgen_right(const int32_t a, const uint8_t bits) {
     }
     result = a >> (bits & ~7);
     if (bits < 8) {
-        if (bits & 4) {
-            __asm__(CCGEN_HALVE_4 CCGEN_HALVE_4 CCGEN_HALVE_4 CCGEN_HALVE_4 : "+r"(result));
-        }
-        if (bits & 2) {
-            __asm__(CCGEN_HALVE_4 CCGEN_HALVE_4 : "+r"(result));
-        }
-        if (bits & 1) {
-            __asm__(CCGEN_HALVE_4 : "+r"(result));
-        }
+        CCGEN_HALVE(result, bits, CCGEN_HALVE_4);
     } else if (bits < 16) {
-        if (bits & 4) {
-            __asm__(CCGEN_HALVE_3 CCGEN_HALVE_3 CCGEN_HALVE_3 CCGEN_HALVE_3 : "+r"(result));
-        }
-        if (bits & 2) {
-            __asm__(CCGEN_HALVE_3 CCGEN_HALVE_3 : "+r"(result));
-        }
-        if (bits & 1) {
-            __asm__(CCGEN_HALVE_3 : "+r"(result));
-        }
+        CCGEN_HALVE(result, bits, CCGEN_HALVE_3);
     } else if (bits < 24) {
-        if (bits & 4) {
-            __asm__(CCGEN_HALVE_2 CCGEN_HALVE_2 CCGEN_HALVE_2 CCGEN_HALVE_2 : "+r"(result));
-        }
-        if (bits & 2) {
-            __asm__(CCGEN_HALVE_2 CCGEN_HALVE_2 : "+r"(result));
-        }
-        if (bits & 1) {
-            __asm__(CCGEN_HALVE_2 : "+r"(result));
-        }
+        CCGEN_HALVE(result, bits, CCGEN_HALVE_2);
     } else {
-        if (bits & 4) {
-            __asm__(CCGEN_HALVE_1 CCGEN_HALVE_1 CCGEN_HALVE_1 CCGEN_HALVE_1 : "+r"(result));
-        }
-        if (bits & 2) {
-            __asm__(CCGEN_HALVE_1 CCGEN_HALVE_1 : "+r"(result));
-        }
-        if (bits & 1) {
-            __asm__(CCGEN_HALVE_1 : "+r"(result));
-        }
+        CCGEN_HALVE(result, bits, CCGEN_HALVE_1);
     }
     return result;
 #elif UINT_MAX < 0xFFFFFFFFu /* MISRA 20.9 */

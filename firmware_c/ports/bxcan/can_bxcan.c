@@ -158,11 +158,7 @@ static void read_all(can_bxcan_t *const can, const uint32_t now_us) {
     ccgen_frame_t frame;
     for (uint32_t i = 0; (i < AT_ONCE) && ((get(can, RF0R) & RF0R_FMP0) != 0u); ++i) {
         read_frame(can, &frame);
-        if (ccgen_queue_put(&can->arrivals, &frame, now_us)) {
-            can->counters.received = can->counters.received + 1u;
-        } else {
-            can->counters.dropped = can->counters.dropped + 1u;
-        }
+        can_port_arrived(&can->counters, &can->arrivals, &frame, now_us);
     }
     if ((get(can, RF0R) & RF0R_FOVR0) != 0u) {
         put(can, RF0R, RF0R_FOVR0);

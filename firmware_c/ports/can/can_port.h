@@ -70,6 +70,17 @@ typedef struct {
     uint32_t errors;            /**< calls of service() that found new errors of the bus */
 } can_port_counters_t;
 
+/** Queues a frame that came in, and counts it; for the interrupt. */
+static inline void can_port_arrived(volatile can_port_counters_t *const counters,
+                                    ccgen_queue_t *const arrivals,
+                                    const ccgen_frame_t *const frame, const uint32_t now_us) {
+    if (ccgen_queue_put(arrivals, frame, now_us)) {
+        counters->received = counters->received + 1u;
+    } else {
+        counters->dropped = counters->dropped + 1u;
+    }
+}
+
 /** How registers are accessed; tests put a model of the controller in their place. */
 #if !defined(CAN_PORT_READ)
 #define CAN_PORT_READ(address) (*(address))

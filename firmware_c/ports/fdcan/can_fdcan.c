@@ -221,11 +221,7 @@ static void read_all(can_fdcan_t *const can, const uint32_t now_us) {
     put(can, IR, IR_RF0N); /* before the frames are read: what comes meanwhile asks again */
     for (uint32_t i = 0; (i < AT_ONCE) && ((get(can, RXF0S) & RXF0S_F0FL) != 0u); ++i) {
         read_frame(can, &frame);
-        if (ccgen_queue_put(&can->arrivals, &frame, now_us)) {
-            can->counters.received = can->counters.received + 1u;
-        } else {
-            can->counters.dropped = can->counters.dropped + 1u;
-        }
+        can_port_arrived(&can->counters, &can->arrivals, &frame, now_us);
     }
     if ((get(can, IR) & IR_RF0L) != 0u) {
         put(can, IR, IR_RF0L);

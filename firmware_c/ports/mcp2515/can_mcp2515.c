@@ -299,11 +299,7 @@ static void fetch(can_mcp2515_t *const can, const uint8_t instruction, const uin
     bytes[0] = instruction;
     exchange(can, bytes, sizeof bytes); /* which frees the buffer */
     get_frame(&bytes[1], &frame);
-    if (ccgen_queue_put(&can->arrivals, &frame, now_us)) {
-        count(&can->counters.received, 1);
-    } else {
-        count(&can->counters.dropped, 1);
-    }
+    can_port_arrived(&can->counters, &can->arrivals, &frame, now_us);
 }
 
 /**

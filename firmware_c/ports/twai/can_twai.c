@@ -21,14 +21,6 @@ static can_port_filter_t common_filter(const can_port_config_t *const config) {
     return all;
 }
 
-static void keep(can_twai_t *const can, const ccgen_frame_t *const frame, const uint32_t now_us) {
-    if (ccgen_queue_put(&can->arrivals, frame, now_us)) {
-        can->counters.received = can->counters.received + 1u;
-    } else {
-        can->counters.dropped = can->counters.dropped + 1u;
-    }
-}
-
 #if CAN_TWAI_NODE
 
 static bool wake(const can_twai_t *const can) {
@@ -51,7 +43,8 @@ static bool arrived(twai_node_handle_t node, const twai_rx_done_event_data_t *ev
         frame.extended = in.header.ide != 0u;
         frame.remote = in.header.rtr != 0u;
         frame.length = (uint8_t)((in.header.dlc > 8u) ? 8u : in.header.dlc);
-        keep(can, &frame, (uint32_t)esp_timer_get_time());
+        can_port_arrived(&can->counters, &can->arrivals, &frame,
+                         (uint32_t)esp_timer_get_time());
     }
     return wake(can);
 }
@@ -219,7 +212,7 @@ static void fetch(can_twai_t *const can, const uint32_t now_us) {
         frame.remote = in.rtr != 0u;
         frame.length = (uint8_t)((in.data_length_code > 8u) ? 8u : in.data_length_code);
         memcpy(frame.data, in.data, frame.length);
-        keep(can, &frame, now_us);
+        can_port_arrived(&can->counters, &can->arrivals, &frame, now_us);
     }
     (void)twai_read_alerts(&alerts, 0);
     alerts |= can->alerts;
