@@ -1,6 +1,7 @@
 """Errors that are told of weights, against drawn noise; advice; what a lost sensor leaves."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -127,7 +128,11 @@ def test_weights_of_the_cases_alone_are_told_to_be_wrong_elsewhere(capsys, tmp_p
 def test_tables_and_warnings_are_printed_apart(capsys, tmp_path):
     printed = ccgen_fit(capsys, tmp_path, joint_text())
     assert "other loads (held out)" in printed.out
-    assert "sensor lost" in printed.out
+    assert "With one sensor lost, on cases, with noise" in printed.out
+    whole, *lost = re.findall(r"^│ (none|[uv]\d) +│ (.*) │ .* │ .* │$", printed.out, re.MULTILINE)
+    assert [sensor for sensor, _ in lost] == ["u0", "u1", "u2", "v0", "v1", "v2"]
+    assert whole[0] == "none"
+    assert float(whole[1]) < 0.1 * float(lost[0][1])
     assert printed.err.startswith("ccgen: warning: the weights are fitted to the load cases alone")
 
 

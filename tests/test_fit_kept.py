@@ -72,6 +72,8 @@ def test_the_kept_fit_is_the_one_that_was_told(joint_file):
         kept.guarded.estimate(counts, absent), fitted.guarded.estimate(counts, absent)
     )
     assert kept.checks.sensors == fitted.checks.sensors
+    assert [asdict(row) for row in kept.without] == [asdict(row) for row in fitted.without]
+    assert [asdict(row) for _, row in kept.left] == [asdict(row) for _, row in fitted.left]
 
 
 def test_the_same_files_give_the_same_bytes(joint_file, tmp_path):
@@ -98,7 +100,7 @@ def test_a_fit_that_is_older_than_a_recording_is_not_used(joint_file, tmp_path, 
     assert "is older than joint.toml" in kept_fit(ccgen.load(joint_file)).note
 
 
-@pytest.mark.parametrize("spoilt", ["", "[1]", '{"tool": "ccgen", "kept": 1}'])
+@pytest.mark.parametrize("spoilt", ["", "[1]", '{"tool": "ccgen", "kept": 2}'])
 def test_a_damaged_fit_is_one_line(joint_file, tmp_path, capsys, spoilt):
     joint_file.with_name("shoulder.fit.json").write_text(spoilt)
     ran("export", joint_file, "-o", tmp_path / "a", status=2)

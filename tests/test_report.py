@@ -92,6 +92,9 @@ def test_its_tables_say_what_the_fit_says(fit, html):
     assert told["v1"] == [f"{x:.3g}" for x in (*fit.without[4].rms_deg.values(),)] + [
         f"{1e3 * fit.without[4].tip_rms_m:.3g}"
     ]
+    noisy = next(row for row in fit.errors if row.noise and row.source == fit.stated.name)
+    whole = [*noisy.rms_deg.values(), 1e3 * noisy.tip_rms_m]
+    assert told["none"] == [f"{value:.3g}" for value in whole]
     assert told["identifiers"] == ["0x300 to 0x30d"]
     assert told["u"][1:4] == ["17", "13", "1"]
     for warning in fit.warnings:

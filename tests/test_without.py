@@ -54,8 +54,18 @@ def test_the_error_without_a_sensor_is_what_fit_told(name):
             part = joint.rows(axis)
             error = np.degrees(np.sqrt(np.mean(np.square(estimate[:, part] - state[:, part]))))
             assert error == pytest.approx(expected, rel=0.1), (told.sensor, axis)
-        # Counts of straight axes are exact where nothing is noisy, which the tip's figure is not.
-        if told.tip_rms_m is not None and all(sensor.noise for sensor in joint.sensors):
+        if told.elongation_rms_percent is not None:
+            part = joint.rows("h")
+            error = 100.0 * np.sqrt(np.mean(np.square(estimate[:, part] - state[:, part])))
+            assert error == pytest.approx(told.elongation_rms_percent, rel=0.1), told.sensor
+        # Counts of straight axes are exact where nothing is noisy, which these figures are not.
+        if not all(sensor.noise for sensor in joint.sensors):
+            continue
+        for axis, expected in told.deviations.items():
+            part, step = joint.rows(axis), 2.0 ** -model.axis(axis).fraction_bits
+            each = np.sqrt(np.mean(np.square(estimate[:, part] - state[:, part]), axis=0))
+            assert each == pytest.approx(expected, rel=0.1, abs=step), (told.sensor, axis)
+        if told.tip_rms_m is not None:
             off = np.linalg.norm(tips(joint, estimate) - tips(joint, state), axis=1)
             tip = np.sqrt(np.mean(np.square(off)))
             assert tip == pytest.approx(told.tip_rms_m, rel=0.1), told.sensor

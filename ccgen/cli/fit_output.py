@@ -10,6 +10,7 @@ from ccgen.cli.output import results, show_table
 
 if TYPE_CHECKING:
     from ccgen.estimation.errors import ErrorRow
+    from ccgen.estimation.fitted import Without
     from ccgen.fixedpoint import Fit
     from ccgen.joint import Joint
 
@@ -30,11 +31,18 @@ def as_json(fit: "Fit", axes: Figures) -> dict[str, Any]:
         "axes": axes,
         "errors": [row.record() for row in fit.errors],
         "warnings": list(fit.warnings),
-        "without": [asdict(row) for row in fit.without],
+        "without": [_without_json(row) for row in fit.without],
         "checks": checks_json(fit.checks),
         "unchecked": list(fit.checks.notes),
         **_stiffness_json(fit),
     }
+
+
+def _without_json(row: "Without") -> dict[str, Any]:
+    """Figures of a sensor lost; its standard deviations are told by exported headers."""
+    figures = asdict(row)
+    del figures["deviations"]
+    return figures
 
 
 def _stiffness_json(fit: "Fit") -> dict[str, Any]:
@@ -178,17 +186,22 @@ def _error_cells(row: "ErrorRow") -> dict[str, str]:
 def _show_without(fit: "Fit") -> None:
     from rich.table import Table
 
-    title = f"With one sensor lost, on {fit.stated.name}, with noise"
+    served = "" if fit.sensed.fallback else ", if fallback were true"
+    title = f"With one sensor lost, on {fit.stated.name}, with noise{served}"
     table = Table("sensor lost", title=title, title_justify="left")
-    for axis in fit.without[0].rms_deg:
-        table.add_column(f"{axis} RMS\ndeg", justify="right")
+    for name in (f"{axis} RMS\ndeg" for axis in fit.without[0].rms_deg):
+        table.add_column(name, justify="right")
     table.add_column("tip RMS\nmm", justify="right")
-    for row in fit.without:
+    if "h" in fit.joint.axes:
+        table.add_column("elongation\nRMS %", justify="right")
+    for sensor, row in fit.left:
         tip = None if row.tip_rms_m is None else 1e3 * row.tip_rms_m
+        stretch = [row.elongation_rms_percent] if "h" in fit.joint.axes else []
         table.add_row(
-            row.sensor,
+            sensor,
             *(_number(rms, "lost") for rms in row.rms_deg.values()),
             _number(tip, "not known"),
+            *(_number(rms, "lost") for rms in stretch),
         )
     show_table(table)
 

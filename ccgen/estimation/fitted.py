@@ -38,8 +38,12 @@ class Without:
 
     sensor: str
     rms_deg: Mapping[str, float | None]
-    """By bending axis; None where no sensor of the axis is left."""
+    """Of a segment, by bending axis; None where no sensor of the axis is left."""
+    elongation_rms_percent: float | None
+    """Of a section, % of its length; None likewise, and where elongation is not estimated."""
     tip_rms_m: float | None
+    deviations: Mapping[str, tuple[float, ...] | None]
+    """Standard deviations of every value by output axis, as those of `StandardDeviations`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +129,13 @@ class FittedWeights:
     def without(self) -> tuple[Without, ...]:
         """What each single sensor lost leaves."""
         return tuple(self._without(j) for j in range(len(self.sensed.sensors)))
+
+    @property
+    def left(self) -> tuple[tuple[str, ErrorRow | Without], ...]:
+        """Errors by the sensor that is lost, on the same shapes; first with none lost."""
+        stated = self.stated.name
+        intact = next(row for row in self.errors if row.noise and row.source == stated)
+        return (("none", intact), *((row.sensor, row) for row in self.without))
 
     @property
     def stated(self) -> Source:
@@ -227,8 +238,11 @@ class FittedWeights:
 
         judged = self.judged(serving, self.rounding_without(sensor))
         found = errors_of(name, judged, True, False)
+        spread = standard_deviations(judged).axes
         return Without(
             sensor=name,
             rms_deg={a: None if a in lost else rms for a, rms in found.rms_deg.items()},
+            elongation_rms_percent=None if "h" in lost else found.elongation_rms_percent,
             tip_rms_m=None if lost else found.tip_rms_m,
+            deviations={a: None if a in lost else own for a, own in spread.items()},
         )

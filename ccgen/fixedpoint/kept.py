@@ -31,7 +31,7 @@ from ccgen.joint import Joint
 from ccgen.outputs import write_file
 from ccgen.shapes import Shapes
 
-_FORMAT = 1
+_FORMAT = 2
 _DIGITS = 12
 _SAMPLES = 8
 """Shapes that are kept for an exported folder's self-test, beside the farthest."""
@@ -224,7 +224,7 @@ def _fit(joint: Joint, record: dict[str, Any]) -> Fit:
         guarded=guarded,
         checks=checks,
         errors=tuple(_error_row(one) for one in record["errors"]),
-        without=tuple(Without(**one) for one in record["without"]),
+        without=tuple(_without(one) for one in record["without"]),
         warnings=tuple(map(str, record["warnings"])),
         standard_deviations=StandardDeviations(axes, float(std["tip_m"])),
     )
@@ -243,6 +243,12 @@ def _error_row(record: dict[str, Any]) -> ErrorRow:
     if stations is not None:
         stations = {name: StationErrors(**_unknown(one)) for name, one in stations.items()}
     return ErrorRow(**{**record, "stations": stations})
+
+
+def _without(record: dict[str, Any]) -> Without:
+    found = record["deviations"]
+    deviations = {a: None if own is None else tuple(map(float, own)) for a, own in found.items()}
+    return Without(**{**record, "deviations": deviations})
 
 
 def _unknown(record: dict[str, Any]) -> dict[str, Any]:

@@ -67,6 +67,7 @@ def page(fit: Fit, notes: dict[str, str] | None = None, costs: Table | None = No
         errors=errors(fit),
         stations=stations(fit),
         without=without(fit),
+        fallback=fit.sensed.fallback,
         checks=checks(fit),
         check_notes=fit.checks.notes,
         false_alarms=f"{fit.joint.false_alarms:g}",

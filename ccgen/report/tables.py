@@ -117,16 +117,22 @@ def stations(fit: "Fit") -> Table | None:
 
 def without(fit: "Fit") -> Table:
     """What is left with each single sensor lost."""
-    axes = tuple(fit.without[0].rms_deg)
+    bends, stretch = tuple(fit.without[0].rms_deg), "h" in fit.joint.axes
     return Table(
-        ("sensor lost", *(f"{axis} RMS °" for axis in axes), "tip RMS mm"),
+        (
+            "sensor lost",
+            *(f"{axis} RMS °" for axis in bends),
+            "tip RMS mm",
+            *(("elongation RMS %",) if stretch else ()),
+        ),
         tuple(
             (
-                row.sensor,
-                *(number(row.rms_deg[axis], "lost") for axis in axes),
+                sensor,
+                *(number(row.rms_deg[axis], "lost") for axis in bends),
                 number(None if row.tip_rms_m is None else 1e3 * row.tip_rms_m),
+                *((number(row.elongation_rms_percent, "lost"),) if stretch else ()),
             )
-            for row in fit.without
+            for sensor, row in fit.left
         ),
     )
 
