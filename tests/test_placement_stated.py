@@ -9,8 +9,9 @@ from ccgen.cli.main import app
 from ccgen.cli.place_output import figure
 from ccgen.estimation.sources import simulated_sources
 from ccgen.joint.file import parse_joint
-from ccgen.placement import Constraints, Search, StatedProblem, place, search
-from ccgen.placement.moments import AxisMoments, MomentModel
+from ccgen.placement import Constraints, Search, SetsProblem, place, search
+from ccgen.placement.groups import of_one_kind
+from ccgen.placement.moments import GroupMoments, MomentModel
 
 JOINT = """
 name = "finger"
@@ -47,7 +48,14 @@ def joint(spans=SPANS):
 def posed(sensors=3, constraints=None, by_tip=False, axes=("u", "v")):
     asked = joint()
     sources = simulated_sources(asked)
-    return StatedProblem(asked, axes, sources, sensors, constraints or Constraints(), by_tip)
+    return SetsProblem(
+        joint=asked,
+        axes=axes,
+        sources=sources,
+        sensors=sensors,
+        constraints=constraints or Constraints(),
+        by_tip=by_tip,
+    )
 
 
 def random_placements(segments, sensors, count, seed=1):
@@ -58,6 +66,10 @@ def random_placements(segments, sensors, count, seed=1):
 def random_moment(segments, seed):
     half = np.random.default_rng(seed).normal(size=(segments, segments))
     return half @ half.T
+
+
+def moments(C, D, sensors, deviation, tolerance):
+    return GroupMoments.of(of_one_kind("u", slice(0, len(C)), sensors, deviation, tolerance), C, D)
 
 
 def what_is_left(C, D, spans, deviation, tolerance):
@@ -71,16 +83,16 @@ def what_is_left(C, D, spans, deviation, tolerance):
 
 @pytest.mark.parametrize("sensors", [1, 3, 6])
 def test_the_model_is_the_root_of_what_the_covariance_leaves(sensors):
-    moments = [(random_moment(10, k), random_moment(10, 5 + k)) for k in range(2)]
-    model = MomentModel([AxisMoments.of(C, D, 0.3, 0.02) for C, D in moments], 7.0)
+    pairs = [(random_moment(10, k), random_moment(10, 5 + k)) for k in range(2)]
+    model = MomentModel([moments(C, D, sensors, 0.3, 0.02) for C, D in pairs], 7.0)
     spans = random_placements(10, sensors, 20)
-    left = [sum(what_is_left(C, D, one, 0.3, 0.02) for C, D in moments) for one in spans]
+    left = [sum(what_is_left(C, D, one, 0.3, 0.02) for C, D in pairs) for one in spans]
     np.testing.assert_allclose(model.values(spans), 100 * np.sqrt(left) / 7.0, rtol=1e-8)
 
 
 @pytest.mark.parametrize("deviation", [0.0, 0.3])
 def test_moved_values_are_those_of_the_moved_placements(deviation):
-    model = MomentModel([AxisMoments.of(random_moment(10, 1), np.eye(10), deviation, 0.0)], 1.0)
+    model = MomentModel([moments(random_moment(10, 1), np.eye(10), 3, deviation, 0.0)], 1.0)
     catalogue = np.array([(a, b) for a in range(10) for b in range(a, 10)])
     others = np.array([[0, 3], [3, 8]])
     spans = np.concatenate([np.repeat(others[None], len(catalogue), 0), catalogue[:, None]], axis=1)
@@ -164,4 +176,4 @@ def test_the_tip_is_an_objective_of_its_own(tmp_path):
 )
 def test_the_plot_says_what_its_errors_are_shares_of(objective, unit):
     placed = place(joint(), method="heuristic", objective=objective)
-    assert figure(placed, ()).axes[0].get_title().endswith(unit)
+    assert figure(joint(), placed, ()).axes[0].get_title().endswith(unit)

@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 
 class PlacementMethod(StrEnum):
-    """`ccgen.placement.METHODS`."""
+    """`ccgen.placement.STATED` and `METHODS`."""
 
+    STATED = "stated"
     SINGLE = "single"
     END_TO_END = "end-to-end"
     HEURISTIC = "heuristic"
@@ -37,14 +38,21 @@ def place(
     joint_file: Annotated[Path, typer.Argument(metavar="JOINT", help="The joint file.")],
     sensors: Annotated[
         int | None,
-        typer.Option("--sensors", metavar="N", help="Sensors per axis.  [default: as in the file]"),
+        typer.Option(
+            "--sensors",
+            metavar="N",
+            help="Sensors per axis, for the sets of [sensors].  [default: as in the file]",
+        ),
     ] = None,
     method: Annotated[
         PlacementMethod | None,
         typer.Option("--method", help="Only this one.  [default: all are compared]"),
     ] = None,
     axis: Annotated[
-        Axis | None, typer.Option("--axis", help="For one axis only.  [default: for both]")
+        Axis | None,
+        typer.Option(
+            "--axis", help="For one axis only, for the sets of [sensors].  [default: for both]"
+        ),
     ] = None,
     objective: Annotated[
         Objective | None,
@@ -69,10 +77,25 @@ def place(
     ] = "",
     fixed: Annotated[
         list[str] | None,
-        typer.Option("--fix", metavar="A-B", help="A sensor that stays; may be repeated."),
+        typer.Option(
+            "--fix",
+            metavar="A-B",
+            help="A sensor of the sets that stays, by its span; may be repeated.",
+        ),
+    ] = None,
+    staying: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--keep",
+            metavar="NAME",
+            help="A sensor of [[sensor]] that stays where it is; may be repeated.",
+        ),
     ] = None,
     stacked: Annotated[
-        int | None, typer.Option("--max-stacked", metavar="N", help="Most sensors over a segment.")
+        int | None,
+        typer.Option(
+            "--max-stacked", metavar="N", help="Most sensors at one angle over a segment."
+        ),
     ] = None,
     enumerated: Annotated[
         int, typer.Option("--enumerate", metavar="N", help="Prove up to so many placements.")
@@ -91,6 +114,9 @@ def place(
 ) -> None:
     """Place the sensors of a joint, compare the methods, and print the spans to paste.
 
+    Sensors of [[sensor]], and those of a joint that elongates, keep their angle, radius and
+    transducer, and each has a span of its own.
+
     \b
     Example:
       ccgen place shoulder.toml --sensors 3 --plot spans.svg
@@ -108,6 +134,7 @@ def place(
         forbidden=_segments(forbidden),
         fixed=tuple(_span(text) for text in fixed or ()),
         stacked=stacked,
+        staying=tuple(staying or ()),
     )
     evolution = placement.Evolution(individuals=individuals, generations=generations, seed=seed)
     search = placement.Search(enumerated=enumerated, starts=starts, seed=seed)
@@ -119,7 +146,7 @@ def place(
         for reason in one.refused:
             note(reason)
     if plot is not None:
-        write_plot(plot, lambda: figure(placed, constraints.forbidden))
+        write_plot(plot, lambda: figure(joint, placed, constraints.forbidden))
     if json:
         show_json(joint, placed)
     else:

@@ -4,15 +4,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ccgen.cli.output import note, print_json, results, show_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ccgen.estimation.weights import Floats
     from ccgen.joint import Joint
+    from ccgen.joint.layouts import AnySpans
     from ccgen.placement import Placed, Placement
     from ccgen.shapes import Shapes
 
@@ -25,7 +23,12 @@ def show_json(joint: "Joint", placed: "Sequence[Placed]") -> None:
     from ccgen.placement import wide_shapes
 
     wide = wide_shapes(joint)
-    axes = {axis: _answer(joint, axis, one, wide) for one in placed for axis in one.axes}
+    axes = {}
+    for one in placed:
+        if _one_by_one(one):  # one answer for all axes
+            axes.update(dict.fromkeys(one.axes, _answer(joint, one.axes[0], one, wide)))
+        else:
+            axes.update({axis: _answer(joint, axis, one, wide) for axis in one.axes})
     answers = list(axes.values())
     shared = {
         key: value
@@ -45,7 +48,10 @@ def show(joint: "Joint", placed: "Sequence[Placed]") -> None:
     for one in placed:
         _show_tables(joint, one, wide)
     chosen = ", ".join(f"{_named(one)}{one.best.method}" for one in placed)
-    note(f"the best ({chosen}) for the joint file; spans replace placement and count there:")
+    replaced = "[[sensor]]" if _lists(joint) else "placement and count"
+    note(f"the best ({chosen}) for the joint file; spans replace {replaced} there:")
+    if joint.calibration is not None and _one_by_one(placed[0]):
+        note(f"{joint.calibration} is of the sensors as they are; calibrate again once they moved")
     lines = [_pasted(joint, one) for one in placed]
     method = placed[0].estimator
     if method != joint.method:
@@ -57,7 +63,7 @@ def show(joint: "Joint", placed: "Sequence[Placed]") -> None:
     results().print("\n\n".join(lines), soft_wrap=True)
 
 
-def figure(placed: "Sequence[Placed]", forbidden: Sequence[int]) -> "Figure":
+def figure(joint: "Joint", placed: "Sequence[Placed]", forbidden: Sequence[int]) -> "Figure":
     """Draw the spans of all placements along the joint."""
     from ccgen.figures.placement import placement_figure
 
@@ -68,48 +74,70 @@ def figure(placed: "Sequence[Placed]", forbidden: Sequence[int]) -> "Figure":
     ]
     problem = placed[0].problem
     unit = "the length at the tip" if problem.objective == "tip" else "ROM"
-    return placement_figure(drawn, problem.segments, forbidden, unit)
+    names = [sensor.name for sensor in joint.sensors] if _one_by_one(placed[0]) else ()
+    return placement_figure(drawn, problem.segments, forbidden, unit, names)
+
+
+def _one_by_one(placed: "Placed") -> bool:
+    """Whether each sensor of the joint has a span of its own."""
+    return placed.table == "sensor"
+
+
+def _lists(joint: "Joint") -> bool:
+    """Whether the joint file lists its sensors one by one."""
+    return joint.u is None and joint.v is None
 
 
 def _pasted(joint: "Joint", placed: "Placed") -> str:
     """Lines for the joint file, with the best spans in segments, and in metres as a comment."""
-    spans, segment = placed.best.spans, joint.geometry.segment_length
+    from ccgen.joint.pasted import sensor_tables
+
+    spans = placed.best.spans
+    if not _one_by_one(placed):
+        return f"[{placed.table}]\n{_spans_lines(joint, spans)}"
+    if _lists(joint):
+        return sensor_tables(joint, spans)
+    sets = [(axis, spans[joint.members(axis)]) for axis in placed.axes]
+    return "\n\n".join(f"[sensors.{axis}]\n{_spans_lines(joint, own)}" for axis, own in sets)
+
+
+def _spans_lines(joint: "Joint", spans: "AnySpans") -> str:
+    segment = joint.geometry.segment_length
     metres = ", ".join(f"{a * segment:.4g} to {(b + 1) * segment:.4g}" for a, b in spans)
-    lines = f"spans = {[list(span) for span in spans]}\n# metres from the base: {metres}"
-    return f"[{placed.table}]\n{lines}"
+    return f"spans = {[list(span) for span in spans]}\n# metres from the base: {metres}"
 
 
 def _named(placed: "Placed") -> str:
     """How a method's name begins where the axes are told apart."""
-    return f"{placed.axes[0]}: " if len(placed.axes) == 1 else ""
+    return f"{placed.axes[0]}: " if len(placed.axes) == 1 and not _one_by_one(placed) else ""
 
 
 def _answer(joint: "Joint", axis: str, placed: "Placed", wide: "Shapes") -> dict[str, Any]:
-    # Axes that share a table are told alike, by the shapes of both.
-    angles = np.concatenate([wide.state[:, joint.rows(one)] for one in placed.axes])
-    described = [_describe(joint, axis, placed, one, angles) for one in placed.found]
+    described = [_describe(joint, axis, placed, one, wide) for one in placed.found]
     return {**described[placed.found.index(placed.best)], "methods": described}
 
 
 def _describe(
-    joint: "Joint", axis: str, placed: "Placed", placement: "Placement", angles: "Floats"
+    joint: "Joint", axis: str, placed: "Placed", placement: "Placement", wide: "Shapes"
 ) -> dict[str, Any]:
-    from ccgen.placement import error_rows, scores, visible_faults
+    from ccgen.placement import told
 
-    rows = error_rows(joint, placed.problem, placed.axes, placement.spans)
-    score, expected, noise = scores(joint, placed.problem, axis, placement.spans, rows)
+    found = told(joint, placed, axis, placement.spans, wide)
     seen = None
-    if noise is not None:
-        faults = visible_faults(angles, placement.spans, noise, joint.false_alarms)
-        seen = [None if percent != percent else percent for percent in faults.tolist()]
+    if found.faults_percent is not None:
+        seen = [
+            None if percent != percent else percent for percent in found.faults_percent.tolist()
+        ]
     segment = joint.geometry.segment_length
+    names = {"sensors": [sensor.name for sensor in joint.sensors]} if _one_by_one(placed) else {}
     return {
         "method": placement.method,
+        **names,
         "spans": [list(span) for span in placement.spans],
         "spans_m": [[first * segment, (last + 1) * segment] for first, last in placement.spans],
-        "score_percent_rom": score,
-        "score_with_noise_percent_rom": expected,
-        "errors": [row.record() for row in rows],
+        "score_percent_rom": found.percent_rom,
+        "score_with_noise_percent_rom": found.with_noise_percent_rom,
+        "errors": [row.record() for row in found.errors],
         "visible_faults_percent": seen,
         "evaluations": placement.evaluations,
         "optimality": placement.optimality,
@@ -123,6 +151,8 @@ def _show_tables(joint: "Joint", placed: "Placed", wide: "Shapes") -> None:
     judge = "noise-aware" if placed.estimator == "noise-aware" else "WAM"
     sensors = "1 sensor" if placed.problem.sensors == 1 else f"{placed.problem.sensors} sensors"
     table = Table(title=f"{_named(placed)}{sensors}, {judge}: error, % of ROM")
+    if _one_by_one(placed):
+        table.caption = f"spans of {' '.join(sensor.name for sensor in joint.sensors)}"
     table.add_column("method", no_wrap=True)
     table.add_column("spans")
     for heading in (
@@ -157,10 +187,12 @@ def _show_errors(rows: Sequence[dict[str, Any]]) -> None:
     table.add_column("method", no_wrap=True)
     table.add_column("source")
     headings = ("RMS\ndeg", "bend RMS\ndeg", "tip RMS\nmm", "tip worst\nmm")
-    for heading in headings:
+    stretched = rows[0]["errors"][0]["elongation_rms_percent"] is not None
+    for heading in (*headings, *(("elongation\nRMS %",) if stretched else ())):
         table.add_column(heading, justify="right", no_wrap=True)
     for row in rows:
         for error in (one for one in row["errors"] if one["noise"]):
+            stretch = [f"{error['elongation_rms_percent']:.3g}"] if stretched else []
             table.add_row(
                 row["method"],
                 error["source"],
@@ -168,6 +200,7 @@ def _show_errors(rows: Sequence[dict[str, Any]]) -> None:
                 f"{max(error['total_bend_rms_deg'].values()):.3g}",
                 f"{1e3 * error['tip_rms_m']:.3g}",
                 f"{1e3 * error['tip_max_m']:.3g}",
+                *stretch,
             )
     show_table(table)
 

@@ -22,6 +22,7 @@ def placement_figure(
     segments: int,
     forbidden: Sequence[int] = (),
     unit: str = "ROM",
+    names: Sequence[str] = (),
 ) -> "Figure":
     """Draw each placement's spans over the segments, one line a sensor.
 
@@ -30,6 +31,7 @@ def placement_figure(
         segments: number m of segments.
         forbidden: segments at which nothing can be attached; shaded.
         unit: what the scores are shares of.
+        names: of the sensors whose spans these are, where they differ in more than spans.
     """
     from matplotlib.figure import Figure
 
@@ -39,14 +41,20 @@ def placement_figure(
     ratios = [count + 1.0 for count in lines]
     column = figure.subplots(len(placements), 1, sharex=True, squeeze=False, height_ratios=ratios)
     for axes, placement in zip(column[:, 0], placements, strict=True):
-        _draw(axes, placement, segments, forbidden)
+        _draw(axes, placement, segments, forbidden, names)
         title = f"{placement.method}: {placement.percent:.4g} % of {unit}"
         axes.set_title(title, fontsize=9)
     column[-1, 0].set_xlabel("segment (0 at the base)", fontsize=9)
     return figure
 
 
-def _draw(axes: "Axes", placement: Placement, segments: int, forbidden: Sequence[int]) -> None:
+def _draw(
+    axes: "Axes",
+    placement: Placement,
+    segments: int,
+    forbidden: Sequence[int],
+    names: Sequence[str],
+) -> None:
     for segment in forbidden:
         axes.axvspan(segment, segment + 1, color=_FIXED, alpha=0.25, linewidth=0)
     for line, (first, last) in enumerate(placement.spans):
@@ -54,7 +62,7 @@ def _draw(axes: "Axes", placement: Placement, segments: int, forbidden: Sequence
         axes.plot([first, last + 1], [line, line], "|", color="black", markersize=9)
     axes.set_xlim(-0.1, segments + 0.1)
     axes.set_ylim(len(placement.spans) - 0.4, -0.6)
-    axes.set_yticks(range(len(placement.spans)))
+    axes.set_yticks(range(len(placement.spans)), names or None)
     number_segments(axes.xaxis, segments)
     axes.grid(visible=False, axis="y")
     axes.set_axisbelow(True)

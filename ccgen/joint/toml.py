@@ -74,6 +74,11 @@ def parse(text: str, source: str, kind: Kind) -> dict[str, Any]:
     return document
 
 
+def document(data: bytes) -> dict[str, Any]:
+    """Return the keys and values of a file that has been checked."""
+    return tomllib.loads(data.decode("utf-8-sig", "surrogateescape"))
+
+
 def decoded(data: bytes, source: str) -> str:
     """Return the text that the bytes of a file are.
 

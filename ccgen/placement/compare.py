@@ -6,7 +6,7 @@ from ccgen.joint.layouts import Spans
 from ccgen.placement.certificate import Certificate
 from ccgen.placement.objective import Floats, Indices
 from ccgen.placement.problem import Problem
-from ccgen.placement.question import Question, as_spans
+from ccgen.placement.question import Question
 
 ROUNDING = 1e-6
 """Share of an objective by which the ways of computing it may differ by rounding."""
@@ -35,7 +35,8 @@ def best_of(problem: Question, candidates: Indices) -> tuple[Spans, float]:
     not matter.
     """
     distinct = sorted(
-        {as_spans(one) for one in candidates}, key=lambda spans: (total_length(spans), spans)
+        {problem.arranged(one) for one in candidates},
+        key=lambda spans: (total_length(spans), spans),
     )
     ordered = np.array(distinct, dtype=np.intp)
     if not isinstance(problem, Problem):
@@ -62,11 +63,12 @@ def _settled(problem: Question, rivals: Indices, percents: Floats) -> tuple[Span
     """
     lowest = float(percents.min())
     if lowest <= NEGLIGIBLE:
-        spans = as_spans(rivals[int(np.argmin(percents))])
+        spans = problem.arranged(rivals[int(np.argmin(percents))])
         return spans, problem.percent(spans)
     close = np.flatnonzero(percents <= lowest * (1 + ROUNDING) + RESOLUTION)
     nearest = close[np.argsort(percents[close], kind="stable")][:_SETTLED]
-    exact = [(as_spans(rivals[k]), problem.percent(as_spans(rivals[k]))) for k in sorted(nearest)]
+    likely = [problem.arranged(rivals[k]) for k in sorted(nearest)]
+    exact = [(spans, problem.percent(spans)) for spans in likely]
     limit = min(percent for _, percent in exact) * (1 + _EQUAL)
     return next((spans, percent) for spans, percent in exact if percent <= limit)
 

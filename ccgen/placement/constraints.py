@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from ccgen.errors import ArgumentError
 from ccgen.joint.layouts import Spans
-
-Indices = NDArray[np.intp]
+from ccgen.placement.slots import Indices, Slots, coverage
 
 
 @dataclass(frozen=True)
@@ -19,9 +18,10 @@ class Constraints:
         shortest: fewest segments of a span.
         longest: most segments of a span; None for the whole joint.
         forbidden: segments at which no span may begin or end, because nothing can be attached.
-        fixed: spans of sensors that stay where they are; they count among the sensors, and the
-            limits above do not concern them.
-        stacked: most sensors over one segment; None for any number.
+        fixed: spans of sensors of a set that stay where they are; they count among the sensors, and
+            the limits above do not concern them.
+        stacked: most sensors over one segment, of those on one side; None for any number.
+        staying: names of sensors of [[sensor]] that stay where they are.
     """
 
     shortest: int = 1
@@ -29,6 +29,7 @@ class Constraints:
     forbidden: tuple[int, ...] = ()
     fixed: Spans = ()
     stacked: int | None = None
+    staying: tuple[str, ...] = ()
 
     def check(self, segments: int, sensors: int) -> None:
         """Refuse limits that make no sense for a joint.
@@ -81,24 +82,20 @@ class Constraints:
         """All spans that a free sensor may have, ordered by first and last, shape (S, 2)."""
         return np.argwhere(self.allowed(segments)).astype(np.intp)
 
-    def violations(self, spans: Indices, segments: int) -> NDArray[np.intp]:
+    def violations(self, spans: Indices, segments: int, slots: Slots) -> Indices:
         """Number of bare and of overfull segments and of spans that are not allowed, shape (P,).
 
+        A segment is bare as often as it lacks a direction.
+
         Args:
-            spans: placements, fixed sensors first, shape (P, n, 2).
+            spans: placements, shape (P, n, 2).
             segments: number m of segments.
+            slots: whose spans they are.
         """
-        count = coverage(spans, segments)
-        broken = (count == 0).sum(axis=-1)
+        broken = slots.lacking(spans, segments).sum(axis=-1)
         if self.stacked is not None:
-            broken += (count > self.stacked).sum(axis=-1)
-        free = spans[:, len(self.fixed) :]
+            for side in slots.of_each_side(spans):
+                broken += (coverage(side, segments) > self.stacked).sum(axis=-1)
+        free = spans[:, slots.free]
         broken += (~self.allowed(segments)[free[..., 0], free[..., 1]]).sum(axis=-1)
         return np.asarray(broken, dtype=np.intp)
-
-
-def coverage(spans: Indices, segments: int) -> NDArray[np.intp]:
-    """Number of sensors over each segment, shape (P, m), of placements of shape (P, n, 2)."""
-    numbers = np.arange(segments)
-    over = (numbers >= spans[..., :1]) & (numbers <= spans[..., 1:])
-    return np.asarray(over.sum(axis=-2), dtype=np.intp)

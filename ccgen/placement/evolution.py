@@ -19,7 +19,7 @@ from deap import algorithms, base, tools
 from deap.tools import crossover, mutation, selection
 
 from ccgen.errors import InputError, require_least
-from ccgen.joint.layouts import Spans, heuristic
+from ccgen.joint.layouts import AnySpans
 from ccgen.placement.compare import best_of
 from ccgen.placement.objective import Floats, Indices
 from ccgen.placement.problem import Placement
@@ -146,7 +146,7 @@ def evolve(
 
 
 def _run(problem: Question, settings: Evolution, report: Report) -> tuple[Indices, int]:
-    """The best distinct individuals as placements, fixed sensors first, and evaluations."""
+    """The best distinct individuals as placements, and evaluations."""
     toolbox = _toolbox(problem, settings)
     generations = settings.generations + 1
     finished = itertools.count(1)
@@ -174,7 +174,7 @@ def _run(problem: Question, settings: Evolution, report: Report) -> tuple[Indice
 
 
 def _toolbox(problem: Question, settings: Evolution) -> base.Toolbox:
-    genes = 2 * (problem.sensors - len(problem.constraints.fixed))
+    genes = 2 * len(problem.slots.free)
     top = problem.segments - 1
     toolbox = base.Toolbox()
     # `algorithms.random` is the seeded generator only while the algorithm runs.
@@ -190,11 +190,13 @@ def _toolbox(problem: Question, settings: Evolution) -> base.Toolbox:
 
 
 def decode(problem: Question, individuals: Any) -> Indices:
-    """Placements of individuals, fixed sensors first, shape (P, n, 2)."""
+    """Placements of individuals, shape (P, n, 2), with the sensors that stay in their slots."""
     pairs = np.array(list(individuals), dtype=np.intp).reshape(len(individuals), -1, 2)
-    fixed = np.array(problem.constraints.fixed, dtype=np.intp).reshape(-1, 2)
-    head = np.broadcast_to(fixed, (len(pairs), *fixed.shape))
-    return np.concatenate([head, np.sort(pairs, axis=-1)], axis=1)
+    spans = np.empty((len(pairs), problem.sensors, 2), dtype=np.intp)
+    spans[:, problem.slots.free] = np.sort(pairs, axis=-1)
+    for slot, span in problem.slots.held.items():
+        spans[:, slot] = span
+    return spans
 
 
 def fitnesses(problem: Question, spans: Indices) -> Floats:
@@ -205,11 +207,12 @@ def fitnesses(problem: Question, spans: Indices) -> Floats:
     return result
 
 
-def _heuristic(problem: Question) -> Spans | None:
+def _heuristic(problem: Question) -> AnySpans | None:
     """The heuristic placement, where there is one that is allowed."""
-    if problem.sensors > problem.segments:
+    try:
+        spans = problem.laid_out("heuristic")
+    except InputError:
         return None
-    spans = heuristic(problem.segments, problem.sensors)
     return spans if problem.allows(spans) else None
 
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ccgen.placement.constraints import coverage
 from ccgen.placement.objective import Indices
 from ccgen.placement.question import Question
+from ccgen.placement.slots import coverage
 
 _CHUNK = 1 << 16
 

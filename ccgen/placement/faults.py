@@ -9,7 +9,7 @@ from ccgen.estimation.consistency.faults import faults
 from ccgen.estimation.consistency.residuals import parity
 from ccgen.estimation.consistency.sound import SoundReadings
 from ccgen.estimation.weights import Floats
-from ccgen.joint.layouts import Spans
+from ccgen.joint.layouts import AnySpans
 from ccgen.sensing.readings import readings
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ccgen.shapes import Shapes
 
 
-def visible_faults(angles: Floats, spans: Spans, noise_rad: Floats, rate: float) -> Floats:
+def visible_faults(angles: Floats, spans: AnySpans, noise_rad: Floats, rate: float) -> Floats:
     """The smallest fault of each sensor that 99 % of snapshots show.
 
     Args:
@@ -27,9 +27,22 @@ def visible_faults(angles: Floats, spans: Spans, noise_rad: Floats, rate: float)
         rate: of false alarms, of snapshots.
 
     Returns:
+        As `seen_faults`.
+    """
+    return seen_faults(readings(angles, spans), noise_rad, rate)
+
+
+def seen_faults(read: Floats, noise_rad: Floats, rate: float) -> Floats:
+    """The smallest fault of each sensor of a group that 99 % of snapshots show.
+
+    Args:
+        read: normalised readings of shapes that the joint takes at work, shape (N, n), radians.
+        noise_rad: deviation of each, shape (n,), radians, above 0.
+        rate: of false alarms, of snapshots.
+
+    Returns:
         Shape (n,), % of the sensor's largest reading; NaN where no fault that small is seen.
     """
-    read = readings(angles, spans)
     count, sensors = read.shape
     if sensors < 2:
         return np.full(sensors, np.nan)

@@ -5,13 +5,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ccgen.errors import InputError
-from ccgen.joint.layouts import Spans
+from ccgen.joint.layouts import AnySpans
 
 if TYPE_CHECKING:
     from ccgen.joint import Joint, Sensor
 
 
-def with_spans(joint: "Joint", spans: Mapping[str, Spans]) -> "Joint":
+def with_spans(joint: "Joint", spans: Mapping[str, AnySpans]) -> "Joint":
     """The joint with any number of sensors like an axis' first at other spans.
 
     Args:
@@ -23,14 +23,14 @@ def with_spans(joint: "Joint", spans: Mapping[str, Spans]) -> "Joint":
     for axis, own in spans.items():
         like, first = joint.sensors[joint.own(axis).start], len(sensors)
         sensors += [
-            replace(like, name=f"{axis}{j}", start=float(a), end=float(b + 1))
+            replace(like, name=f"{axis}{j}", start=float(a), end=b + 1.0)
             for j, (a, b) in enumerate(own)
         ]
         parts.append((first, len(sensors)))
     return replace(joint, sensors=tuple(sensors), axes=tuple(spans), parts=tuple(parts))
 
 
-def moved(joint: "Joint", axis: str, spans: Spans) -> "Joint | None":
+def moved(joint: "Joint", axis: str, spans: AnySpans) -> "Joint | None":
     """The joint with one axis alone, whose sensors have other spans.
 
     Args:

@@ -10,27 +10,41 @@ _TRIED = 12
 
 
 def polished(problem: Question, start: Indices) -> tuple[Indices, int]:
-    """Move one sensor at a time to what the objective itself likes best among likely spans.
+    """Move sensors to what the objective itself likes best: one at a time, or two for each other.
+
+    Spans to try are those that the model ranks first.
 
     Args:
         problem: the question.
-        start: an allowed placement, fixed sensors first, shape (n, 2).
+        start: an allowed placement, shape (n, 2).
 
     Returns:
         The placement, and how many were evaluated.
     """
     spans, best = start.copy(), float(problem.percents(start[None])[0])
-    fixed, evaluated, rested, slot = len(problem.constraints.fixed), 1, 0, 0
-    free = len(spans) - fixed
-    while free and rested < free:
-        tried = _likely(problem, spans, fixed + slot)
+    free, evaluated, rested, turn = problem.slots.free, 1, 0, 0
+    while rested < len(free):
+        tried = _likely(problem, spans, int(free[turn]))
         values = problem.percents(tried)
         evaluated += len(tried)
         rested += 1
         if len(values) and values.min() < best:
             spans, best, rested = tried[int(np.argmin(values))], float(values.min()), 1
-        slot = (slot + 1) % free
+        turn = (turn + 1) % len(free)
+        if rested == len(free):
+            swapped = _swapped(problem, spans)
+            values = problem.percents(swapped)
+            evaluated += len(swapped)
+            if len(values) and values.min() < best:
+                spans, best, rested = swapped[int(np.argmin(values))], float(values.min()), 0
     return spans, evaluated
+
+
+def _swapped(problem: Question, spans: Indices) -> Indices:
+    """Allowed placements with two sensors' spans swapped, those that the model ranks first."""
+    swapped = problem.slots.swapped(spans)
+    allowed = swapped[problem.violations(swapped) == 0]
+    return np.asarray(allowed[np.argsort(problem.model.values(allowed), kind="stable")[:_TRIED]])
 
 
 def _likely(problem: Question, spans: Indices, slot: int) -> Indices:

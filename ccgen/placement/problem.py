@@ -16,7 +16,7 @@ from ccgen.estimation import (
     wam_matrix,
 )
 from ccgen.estimation.weights import Weights
-from ccgen.joint.layouts import Spans
+from ccgen.joint.layouts import AnySpans
 from ccgen.placement.constraints import Constraints
 from ccgen.placement.moved import alike, moved
 from ccgen.placement.objective import Floats, Indices, ObjectiveModel, objective_model
@@ -83,17 +83,17 @@ class Problem(Question):
         """One of `ccgen.placement.OBJECTIVES`."""
         return "angles" if self.noise else "paper"
 
-    def weights(self, spans: Spans) -> Weights:
+    def weights(self, spans: AnySpans) -> Weights:
         """Fit the objective's estimator to one placement."""
         if not self.noise:
             return wam(self.fit, spans)
         return noise_aware(self.fit, spans, self.reading_noise(spans))
 
-    def reading_noise(self, spans: Spans) -> Floats:
+    def reading_noise(self, spans: AnySpans) -> Floats:
         """Standard deviation of the normalised readings, shape (n,), radians."""
         return np.array([self.noise / (b - a + 1) for a, b in spans])
 
-    def percent(self, spans: Spans) -> float:
+    def percent(self, spans: AnySpans) -> float:
         """Objective of one placement in % of the range of motion, by `ccgen.estimation` itself."""
         weights = self.weights(spans)
         if not self.noise:
@@ -122,7 +122,7 @@ class Placement:
 
     Attributes:
         method: name of the method.
-        spans: ordered by first and last segment.
+        spans: ordered by first and last segment; of sensors that a file lists, in its order.
         percent: objective in % of the range of motion.
         evaluations: how many placements were evaluated for it.
         optimality: "proven" (no allowed placement is better), "bound" or "none".
@@ -130,7 +130,7 @@ class Placement:
     """
 
     method: str
-    spans: Spans
+    spans: AnySpans
     percent: float
     evaluations: int
     optimality: str = "none"
@@ -172,29 +172,31 @@ def joint_problem(
 
 
 def check_placeable(joint: "Joint", axis: str) -> None:
-    """Check that the joint has a set of sensors for this axis whose spans are free to choose.
+    """Check that the joint has a set of sensors for this axis, which reads that axis alone.
 
     Raises:
-        InputError: it lists its sensors one by one, leaves the axis out, or elongates.
+        InputError: it has none, or leaves the axis out.
     """
-    if joint.u is None and joint.v is None:
+    if read_one_by_one(joint):
         raise InputError(
-            f"{joint.source}: sensor: lists the sensors one by one, but spans are chosen for the "
-            "sets of [sensors]; write placement, count and radius there instead"
+            f"{joint.source}: sensor: its sensors are no sets of one bending axis each; place them "
+            "one by one"
         )
     if axis not in joint.axes:
         raise InputError(
             f"{joint.source}: estimator.axes: leaves out {axis}, for which spans are asked; "
             f"choose {' or '.join(a for a in joint.axes if a != 'h')}"
         )
-    if joint.couples:
-        raise InputError(
-            f"{joint.source}: geometry.elongation: spans are chosen for bending alone; remove it "
-            "to place the sensors"
-        )
 
 
-def placed_noise(joint: "Joint", axis: str, spans: Spans, library: "ShapeLibrary") -> Floats | None:
+def read_one_by_one(joint: "Joint") -> bool:
+    """Whether sensors differ in more than spans and axis: listed, or reading elongation too."""
+    return (joint.u is None and joint.v is None) or joint.couples
+
+
+def placed_noise(
+    joint: "Joint", axis: str, spans: AnySpans, library: "ShapeLibrary"
+) -> Floats | None:
     """Noise of the readings under which errors are told, if an axis' sensors had other spans.
 
     Args:

@@ -2,12 +2,13 @@
 
 import itertools
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from ccgen.errors import InputError, require_least
-from ccgen.joint.layouts import Spans, end_to_end, heuristic
+from ccgen.joint.layouts import AnySpans
 from ccgen.placement.bound import lower_bound
 from ccgen.placement.compare import NEGLIGIBLE, best_of, within
 from ccgen.placement.descent import BROKEN, Descent
@@ -60,7 +61,7 @@ class Search:
 def search(
     problem: Question,
     settings: Search | None = None,
-    known: Sequence[Spans] = (),
+    known: Sequence[AnySpans] = (),
     report: Report = silent,
 ) -> Placement:
     """Find the best placement that keeps to the constraints.
@@ -122,7 +123,7 @@ def enumerate_all(problem: Problem, report: Report = silent, count: int = 0) -> 
 
 
 def descend(
-    problem: Question, settings: Search, known: Sequence[Spans] = (), report: Report = silent
+    problem: Question, settings: Search, known: Sequence[AnySpans] = (), report: Report = silent
 ) -> Placement:
     """Descend from known and usual placements, from random ones, and from disturbed best ones.
 
@@ -174,11 +175,11 @@ def _polished(problem: Question, likely: Indices, evaluations: int) -> Placement
 
     Args:
         problem: the question.
-        likely: shape (P, n, 2), fixed sensors first; at least one of them is allowed.
+        likely: shape (P, n, 2); at least one of them is allowed.
         evaluations: how many placements were evaluated for them.
     """
     allowed = likely[problem.violations(likely) == 0]
-    distinct = np.array(list({as_spans(one): one for one in allowed}.values()))
+    distinct = np.array(list({problem.arranged(one): one for one in allowed}.values()))
     ranked = distinct[np.argsort(problem.percents(distinct), kind="stable")]
     found = [polished(problem, one) for one in ranked[:_POLISHED]]
     spans, percent = best_of(problem, np.array([one for one, _ in found]))
@@ -189,9 +190,13 @@ def _polished(problem: Question, likely: Indices, evaluations: int) -> Placement
 def _first_allowed(problem: Question) -> list[Indices]:
     """The first placement that enumeration meets; none where that takes too long.
 
+    Sensors that differ are not enumerated.
+
     Raises:
         InputError: no placement keeps to the constraints.
     """
+    if not problem.slots.are_alike:
+        return []
     walk = Walk(problem, _FIRST)
     for chunk in walk.chunks():
         if len(chunk):
@@ -212,29 +217,35 @@ def _counted(problem: Question) -> str:
     return "1 sensor" if problem.sensors == 1 else f"{problem.sensors} sensors"
 
 
-def _usual(problem: Question, known: Sequence[Spans]) -> list[Indices]:
-    """Known placements and the usual layouts, whose first spans make way for the fixed ones."""
+def _usual(problem: Question, known: Sequence[AnySpans]) -> list[Indices]:
+    """Known placements and the usual layouts, in which held sensors are where they are held."""
     starts = [_fixed_first(problem, spans) for spans in known]
-    if problem.sensors > problem.segments:
-        return starts
-    fixed = problem.constraints.fixed
-    for layout in (heuristic, end_to_end):
-        spans = layout(problem.segments, problem.sensors)[len(fixed) :]
-        starts.append(np.array([*fixed, *spans], dtype=np.intp))
+    for layout in reversed(problem.layouts):
+        if layout == "single":  # all that end to end may be
+            continue
+        with suppress(InputError):
+            spans = np.rint(problem.laid_out(layout)).astype(np.intp)
+            starts.append(_held(problem, spans))
     return starts
+
+
+def _held(problem: Question, spans: Indices) -> Indices:
+    """A placement with the sensors that stay where they are."""
+    for slot, span in problem.slots.held.items():
+        spans[slot] = span
+    return spans
 
 
 def _onto_catalogue(problem: Question, spans: Indices) -> Indices:
     """A placement with the nearest allowed span in place of each of its free sensors' spans."""
-    fixed = len(problem.constraints.fixed)
     moved = spans.copy()
-    for slot in range(fixed, len(spans)):
+    for slot in problem.slots.free:
         distances = np.abs(problem.catalogue - spans[slot]).sum(axis=1)
         moved[slot] = problem.catalogue[np.argmin(distances)]
     return moved
 
 
-def _fixed_first(problem: Question, spans: Spans) -> Indices:
+def _fixed_first(problem: Question, spans: AnySpans) -> Indices:
     free = list(spans)
     for span in problem.constraints.fixed:
         free.remove(span)
@@ -242,16 +253,16 @@ def _fixed_first(problem: Question, spans: Spans) -> Indices:
 
 
 def _random(problem: Question, random: np.random.Generator) -> Indices:
-    fixed = np.array(problem.constraints.fixed, dtype=np.intp).reshape(-1, 2)
-    chosen = random.integers(len(problem.catalogue), size=problem.sensors - len(fixed))
-    return np.concatenate([fixed, problem.catalogue[chosen]])
+    free = problem.slots.free
+    spans = _held(problem, np.zeros((problem.sensors, 2), dtype=np.intp))
+    spans[free] = problem.catalogue[random.integers(len(problem.catalogue), size=len(free))]
+    return spans
 
 
 def _disturb(problem: Question, spans: Indices, random: np.random.Generator) -> Indices:
     """A placement with some free sensors moved anywhere."""
-    fixed = len(problem.constraints.fixed)
-    free = problem.sensors - fixed
-    moved = fixed + random.choice(free, size=min(free, _DISTURBED), replace=False)
+    free = problem.slots.free
+    moved = free[random.choice(len(free), size=min(len(free), _DISTURBED), replace=False)]
     disturbed = spans.copy()
     disturbed[moved] = problem.catalogue[random.integers(len(problem.catalogue), size=len(moved))]
     return disturbed

@@ -9,7 +9,7 @@ import numpy as np
 
 from ccgen.errors import ArgumentError
 from ccgen.estimation import direct, equal, score_percent_rom, wam, wam_paper_call
-from ccgen.joint.layouts import Spans, end_to_end, heuristic, single
+from ccgen.joint.layouts import AnySpans, end_to_end, heuristic, single
 from ccgen.placement import Evolution, Placement, Problem, Search, evolve, search
 from ccgen.shapes import ShapeLibrary, beyond_fold, shape_library
 from ccgen.study.paper import (
@@ -162,7 +162,7 @@ def _scores(
 
 
 def _score(
-    placement: str, method: str, spans: Spans, fit: ShapeLibrary, score: ShapeLibrary
+    placement: str, method: str, spans: AnySpans, fit: ShapeLibrary, score: ShapeLibrary
 ) -> dict[str, Any]:
     if method == DEM:
         weights = direct(fit.angles.shape[1], spans)
@@ -183,7 +183,7 @@ def _optimised(name: str, placement: Placement) -> dict[str, Any]:
     }
 
 
-def _entry(placement: str, method: str, spans: Spans, percent: float) -> dict[str, Any]:
+def _entry(placement: str, method: str, spans: AnySpans, percent: float) -> dict[str, Any]:
     return {
         "placement": placement,
         "method": method,

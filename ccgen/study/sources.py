@@ -10,7 +10,7 @@ _SOURCES = (
     *("double_double", "joint/__init__.py", "joint/layouts.py", "joint/loads.py"),
     *("digits.py", "joint/places.py", "joint/specification.py"),
     *("kinematics/__init__.py", "kinematics/tip.py", "kinematics/uvh.py", "shapes"),
-    *("sensing/__init__.py", "sensing/noise.py", "sensing/readings.py"),
+    *("sensing/__init__.py", "sensing/arrangement.py", "sensing/noise.py", "sensing/readings.py"),
     *("recordings/__init__.py", "recordings/progress.py"),
     *("estimation", "placement", "study/joints.py", "study/paper.py"),
 )
