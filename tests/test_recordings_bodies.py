@@ -139,6 +139,21 @@ def test_occluded_markers_and_outliers_do_little_and_are_counted(tmp_path):
     assert f"{tmp_path / 'run.csv'}: m2 is far off and counts little in 20 rows" in it.notes
 
 
+def test_rows_of_a_camera_that_is_slower_than_the_log_are_those_before(tmp_path):
+    def slow(columns):
+        for name in columns:
+            if name.startswith(("m", "tip")):
+                columns[name] = columns[name][np.arange(len(columns["t"])) // 3 * 3]
+
+    state = written(tmp_path, change=slow, rows=300)
+    it = made(tmp_path)[0]
+    moved = it.sighting.sights.moved
+    assert moved[:7].tolist() == [True, False, False, True, False, False, True]
+    assert apart(it.sighting.alone[:, :-1], state[np.arange(300) // 3 * 3]) < 1.0
+    assert (it.sighting.alone[1::3] == it.sighting.alone[::3]).all()
+    assert not (it.sighting.alone[3::3] == it.sighting.alone[:-3:3]).all(axis=1).any()
+
+
 def test_a_delay_between_bodies_and_sensors_is_found(tmp_path):
     state = written(tmp_path, delay=0.12)
     (it,) = made(tmp_path)

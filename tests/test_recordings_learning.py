@@ -1,9 +1,11 @@
 """What recordings tell of a joint's compliance and sensors, against joints that are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from ccgen.recordings.learning import independent_rows, learn
+from ccgen.recordings.learning import _descended, independent_rows, learn
 from ccgen.recordings.likelihood import Evidence, Lengths, Likelihood
 from ccgen.recordings.modes import free_model, smooth_model
 
@@ -135,6 +137,42 @@ def test_most_of_the_rows_tell_from_all_of_them_on_what_they_tell_from_nothing(m
     np.testing.assert_allclose(begun.noise, anew.noise, rtol=0.1)
     apart = begun.posterior.state - anew.posterior.state
     assert np.degrees(np.sqrt(np.mean(np.square(apart)))) < 0.05
+
+
+def test_few_steps_lead_to_the_least_value(monkeypatch):
+    states = bent(200)
+    weight = np.full((200, 8), 1e-4**-2.0)
+    likelihood = Likelihood(model(), lengths(states), markers(states, 2e-4)(states), weight, 0.3)
+    found = likelihood.start()
+    for _ in range(3):
+        found = _descended(likelihood, found, likelihood.thinned.curvature(found), 150, 1e-2)
+    slope = likelihood.value_and_gradient(found)[1]
+    curvature = likelihood.curvature(found)
+    left = np.sqrt(slope @ np.linalg.solve(curvature, slope))
+    assert left < 0.1  # standard deviations of what the rows tell
+    taken = []
+    value = Likelihood.value_and_gradient
+
+    def counted(self, theta):
+        taken.append(theta)
+        return value(self, theta)
+
+    monkeypatch.setattr(Likelihood, "value_and_gradient", counted)
+    spread = np.linalg.inv(np.linalg.cholesky(curvature)).T
+    away = found + spread @ np.random.default_rng(6).standard_normal(len(found))
+    again = _descended(likelihood, away, likelihood.thinned.curvature(away), 150, 1e-2)
+    assert len(taken) - 2 * len(found) < 30
+    assert np.linalg.norm(np.linalg.solve(spread, again - found)) < 0.1
+
+
+def test_gains_are_not_sought_where_nobody_would_believe_them():
+    states = bent()
+    seen = lengths(states)
+    wrong = np.concatenate([[1.3], np.ones(7)])
+    seen = replace(seen, length=seen.length * wrong)
+    learned = learn(markers(states, 2e-4), model(), seen, 240, np.zeros_like(states))
+    assert learned.found.gain[0] == pytest.approx(1.0 + 6 * 0.02)
+    assert np.abs(learned.found.gain - 1.0).max() < 6.001 * 0.02
 
 
 @pytest.mark.parametrize("seed", range(4))

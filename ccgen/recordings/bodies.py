@@ -196,9 +196,11 @@ def _nothing_learned(model: Model) -> Parameters:
 
 def _by_bodies(sights: Sights, frame: Frame, model: Model, at: Parameters) -> Floats:
     """Most probable states by the bodies alone, twist included, shape (N, p)."""
-    N, p = len(sights), len(model.basis)
+    moved = sights.moved
+    sights = sights.rows(np.flatnonzero(moved))
     none = np.zeros(0)
     at = replace(at, gain=none, zero=np.zeros((1, 0)))
+    N, p = len(sights), len(model.basis)
     state = np.zeros((N, p))
     for rows in _pieces(N):
         some, own = sights.rows(rows), state[rows]
@@ -210,7 +212,7 @@ def _by_bodies(sights: Sights, frame: Frame, model: Model, at: Parameters) -> Fl
             sight = partial(evidence, replace(some, nearness=nearness), frame)
             own = states(sight, model, nothing, at, own, turns)
         state[rows] = own
-    return state
+    return np.asarray(state[np.cumsum(moved) - 1])
 
 
 def _pieces(rows: int) -> list[slice]:

@@ -23,14 +23,12 @@ Floats = NDArray[np.float64]
 Sight = Callable[[Floats], Evidence]
 """Linearises references about states of shape (N, p)."""
 
-_STEPS = 150
-"""Of the quasi-Newton descent in a round, at most."""
 _SETTLED = 1e-7
 """Share of what a round gains below which a step ends it."""
-_FLAT = 1e-2
-"""Slope by a parameter, in standard deviations of its prior, that counts as none."""
-_STEPS_ANEW, _FLAT_ANEW = 30, 0.1
-"""Steps at most, and slope in standard deviations of what rows tell, where most is known."""
+_STEPS, _STEPS_ANEW = 150, 30
+"""Of the quasi-Newton descent in a round, at most; and where most is known."""
+_FLAT, _FLAT_ANEW = 1e-2, 0.1
+"""Slope in standard deviations of what rows tell that counts as none; and where most is known."""
 _FARTHEST = 6.0
 """Standard deviations of their priors within which parameters are sought."""
 _NOWHERE = 1e30
@@ -119,7 +117,11 @@ def learn(
             weight = _weight(seen, at, state, noise)
             likelihood = replace(nothing, evidence=sight(state), weight=weight)
             state = likelihood.states_at(at)
-        theta = _descended(likelihood, theta, None if before is None else before.curvature)
+        if before is None:
+            curvature = likelihood.thinned.curvature(theta)
+            theta = _descended(likelihood, theta, curvature, _STEPS, _FLAT)
+        else:
+            theta = _descended(likelihood, theta, before.curvature, _STEPS_ANEW, _FLAT_ANEW)
         posterior = likelihood.posterior(theta)
         state = posterior.state
         for _ in range(_NOISE_TURNS):
@@ -180,11 +182,15 @@ def states(
     return state
 
 
-def _descended(likelihood: Likelihood, theta: Floats, curvature: Floats | None = None) -> Floats:
+def _descended(
+    likelihood: Likelihood, theta: Floats, curvature: Floats, steps: int, flat: float
+) -> Floats:
     """Theta of the least value, from some theta on.
 
     Args:
-        curvature: about its second derivative there, which makes steps few.
+        curvature: about its second derivative there: where that counts as 1, steps are few.
+        steps: at most.
+        flat: slope in those coordinates that counts as none.
     """
     from scipy.optimize import minimize
 
@@ -198,23 +204,22 @@ def _descended(likelihood: Likelihood, theta: Floats, curvature: Floats | None =
             return _NOWHERE, at
         return value - start, gradient
 
-    options = {"maxiter": _STEPS, "ftol": _SETTLED, "gtol": _FLAT}
-    if curvature is not None:
-        scale = np.linalg.inv(np.linalg.cholesky(curvature)).T
+    scale = np.linalg.inv(np.linalg.cholesky(curvature)).T
 
-        def scaled(at: Floats) -> tuple[float, Floats]:
-            value, gradient = gained(theta + scale @ at)
-            return value, gradient @ scale
+    def scaled(at: Floats) -> tuple[float, Floats]:
+        value, gradient = gained(theta + scale @ at)
+        return value, gradient @ scale
 
-        options |= {"maxiter": _STEPS_ANEW, "gtol": _FLAT_ANEW}
-        begin = np.zeros_like(theta)
-        moved = minimize(scaled, begin, jac=True, method="L-BFGS-B", options=options).x
-        return np.asarray(theta + scale @ moved)
+    options = {"maxiter": steps, "ftol": _SETTLED, "gtol": flat}
+    begin = np.zeros_like(theta)
+    moved = minimize(scaled, begin, jac=True, method="L-BFGS-B", options=options).x
+    found: Floats = theta + scale @ moved
+    if np.abs(found).max() <= _FARTHEST:
+        return found
     bounds = [(-_FARTHEST, _FARTHEST)] * len(theta)
-    found: Floats = minimize(
-        gained, theta, jac=True, method="L-BFGS-B", bounds=bounds, options=options
-    ).x
-    return found
+    begin = np.clip(found, -_FARTHEST, _FARTHEST)
+    within = minimize(gained, begin, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
+    return np.asarray(within.x)
 
 
 def independent_rows(signals: Floats) -> float:

@@ -76,6 +76,15 @@ class Sights:
         """Which rows any body was seen in, shape (N,)."""
         return np.asarray(~np.isnan(self.position.sum(axis=2)).all(axis=1))
 
+    @property
+    def moved(self) -> NDArray[np.bool_]:
+        """Which rows are not those before again, as of a camera slower than the log; (N,)."""
+        rows = np.concatenate(
+            [self.position, self.rotation.reshape(*self.position.shape[:2], 9)], 2
+        )
+        again = (rows[1:] == rows[:-1]) | (np.isnan(rows[1:]) & np.isnan(rows[:-1]))
+        return np.concatenate([[True], ~again.all(axis=(1, 2))])
+
     def rows(self, chosen: "slice | NDArray[np.intp]") -> "Sights":
         """Some rows of it."""
         names = ("position", "rotation", "axes", "origin")
