@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from joint_files import joint_text
+from test_fit_recordings import angle_columns, bends, table
 
 import ccgen
 from ccgen.cli.main import main
@@ -128,6 +129,55 @@ def test_a_folder_that_was_edited_is_refused(folder, tmp_path, capsys):
     assert "joint.toml changed since it was exported; export the joint again" in err
     assert err.count("\n") == 1
     assert not (tmp_path / "page.html").exists()
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A joint file with a recording of segment angles and counts beside it, and its folder."""
+    home = tmp_path_factory.mktemp("recorded")
+    (home / "runs").mkdir()
+    (home / "runs" / "run.csv").write_text(table(angle_columns(bends(0), bends(1))))
+    file = '[[recordings]]\nfile = "runs/run.csv"\n'
+    (home / "arm.toml").write_text(joint_text(name="arm", transducer="noise = 1e-5", tables=file))
+    ccgen.export(home / "arm.toml", home / "firmware" / "arm")
+    return home
+
+
+def test_a_folder_whose_recordings_are_at_hand_is_reported(recorded, tmp_path, capsys):
+    assert run("report", recorded / "firmware" / "arm", "-o", tmp_path / "folder.html") == 0
+    assert run("report", recorded / "arm.toml", "-o", tmp_path / "file.html") == 0
+    folder, file = (rows((tmp_path / f"{name}.html").read_text()) for name in ("folder", "file"))
+    name = "recording:runs/run.csv (held out)"
+    assert folder[name] == file[name]
+    assert "those that the page tells" in (tmp_path / "folder.html").read_text()
+    assert "weights in the folder" not in (tmp_path / "file.html").read_text()
+
+
+def test_a_folder_whose_recordings_are_elsewhere_says_which(recorded, tmp_path, capsys):
+    moved = tmp_path / "arm"
+    shutil.copytree(recorded / "firmware" / "arm", moved)
+    assert run("report", moved, "-o", tmp_path / "page.html") == 2
+    err = capsys.readouterr().err
+    assert "was fitted to runs/run.csv, which is neither in it nor in a folder above it" in err
+    assert err.count("\n") == 1
+    (tmp_path / "runs").mkdir()
+    text = (recorded / "runs" / "run.csv").read_text()
+    (tmp_path / "runs" / "run.csv").write_text(text.replace("0", "1", 1))
+    assert run("report", moved, "-o", tmp_path / "page.html") == 2
+    err = capsys.readouterr().err
+    assert "runs/run.csv is not the recording that it was fitted to; export the joint again" in err
+    assert err.count("\n") == 1
+    assert not (tmp_path / "page.html").exists()
+
+
+def test_a_folder_of_shapes_that_it_does_not_name_is_refused(tmp_path, capsys):
+    joint = ccgen.load(EXAMPLES / "shoulder.toml")
+    angles = np.random.default_rng(0).uniform(-0.05, 0.05, (40, joint.geometry.segments))
+    ccgen.export(ccgen.fit(joint, shapes=angles), tmp_path / "shoulder")
+    assert run("report", tmp_path / "shoulder", "-o", tmp_path / "page.html") == 2
+    err = capsys.readouterr().err
+    assert "its joint was fitted to shapes that were given in Python" in err
+    assert err.count("\n") == 1
 
 
 @pytest.mark.parametrize(

@@ -43,7 +43,8 @@ def report(subject: Fit | Joint | str | Path, output: str | Path, cost: bool = F
         cost: whether it tells what the firmware costs on each core whose tools are installed.
 
     Raises:
-        InputError: the joint cannot be fitted, or a folder that was changed since it was exported.
+        InputError: the joint cannot be fitted; or a folder that was changed since it was exported,
+            or whose recordings are not at hand.
         ToolError: nothing that measures costs is installed.
     """
     fit, notes = _fitted(subject)
@@ -133,16 +134,6 @@ def _fitted(subject: Fit | Joint | str | Path) -> tuple[Fit, dict[str, str]]:
         raise InputError(f"{path}: no such folder or joint file")
     if not path.is_dir():
         return fitted_to(load(path)), {}
-    from ccgen.targets.exported import open_exported
+    from ccgen.report.folder import fitted_folder
 
-    exported = open_exported(path)
-    if exported.changed:
-        raise InputError(
-            f"{path}: {', '.join(exported.changed[:3])} changed since it was exported; export the "
-            "joint again, or name its joint file"
-        )
-    if exported.joint.recordings:
-        raise InputError(
-            f"{path}: holds no recordings, which its joint was fitted to; name the joint file"
-        )
-    return fitted_to(exported.joint), {"fingerprint of the model": f"{exported.fingerprint:#010x}"}
+    return fitted_folder(path)
