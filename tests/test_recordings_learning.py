@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ccgen.recordings.learning import _descended, independent_rows, learn
+from ccgen.recordings.learning import _descended, independent_rows, learn, most_probable
 from ccgen.recordings.likelihood import Evidence, Lengths, Likelihood
 from ccgen.recordings.modes import free_model, smooth_model
 
@@ -29,14 +29,14 @@ def tendons(elongates=False):
     return matrix
 
 
-def bent(count=240, seed=0):
+def bent(count=240, seed=0, compliance=STIFF):
     """Shapes of a joint with stiff ends under smooth moments, one after the other."""
     random = np.random.default_rng(seed)
     left = 1 - (np.arange(M) + 0.5) / M
     families = np.array([np.ones(M), left, left**2]) * [[1.0], [0.4], [0.2]]
     moments = random.standard_normal((count, 2, 3)) @ families * 0.5 * ROM
     states = np.zeros((count, 2 * M + 2))
-    states[:, : 2 * M] = (moments * STIFF).reshape(count, 2 * M)
+    states[:, : 2 * M] = (moments * compliance).reshape(count, 2 * M)
     return states
 
 
@@ -82,6 +82,24 @@ def test_the_gradient_is_that_of_the_value():
         step[i] = 1e-5
         high, low = (likelihood.value_and_gradient(theta + s * step)[0] for s in (1, -1))
         assert gradient[i] == pytest.approx((high - low) / 2e-5, rel=1e-4, abs=1e-2)
+
+
+@pytest.mark.parametrize("true", [0, 1])
+def test_a_stated_profile_is_held_against_a_joint_that_is_alike_all_along(true):
+    stiff = np.array([1.0, 1.0, 1.0, 1.0, 2.5, 2.5, 2.5, 1.0, 1.0, 1.0, 1.0, 1.0])
+    models = [model(), model(profile=1 / stiff, tolerance=0.1)]
+    soft = np.array([STIFF, 1 / stiff])[true]
+    states = bent(compliance=soft)
+    given = markers(states, 2e-4), models, lengths(states), 120, np.zeros_like(states)
+    learned = most_probable(*given)
+    assert learned.model is models[true]
+    other = learn(given[0], models[1 - true], *given[2:])
+    wrong, right = (np.std(one.posterior.state - states) for one in (other, learned))
+    assert right < wrong
+    told = np.exp(learned.model.expected + learned.found.log_compliance)
+    np.testing.assert_allclose(
+        told[2:10] / told[2:10].mean(), soft[2:10] / soft[2:10].mean(), rtol=0.25
+    )
 
 
 def test_doubt_is_how_shapes_follow_the_parameters():

@@ -23,7 +23,7 @@ from ccgen.recordings.gains import Calibration, Sensed, borrowed, stretch_zero
 from ccgen.recordings.learning import independent_rows, shapes, states
 from ccgen.recordings.lengths import Read, expected_changes, read_lengths
 from ccgen.recordings.likelihood import Evidence, Lengths, Parameters, Posterior
-from ccgen.recordings.modes import Model, joint_model
+from ccgen.recordings.modes import Model, joint_models
 from ccgen.recordings.pooled import Part, Shared, pooled, usual, with_twist
 from ccgen.recordings.progress import Report, in_silence
 from ccgen.recordings.recording import Recording
@@ -74,7 +74,7 @@ def body_references(
     cut = fine(joint.geometry)
     sensors = recorded_sensors(joint)
     sensors = replace(sensors, matrix=sensors.matrix @ cut.gather)
-    model = joint_model(cut.geometry, joint.loads, _rough(recordings))
+    models = joint_models(cut.geometry, joint.loads, _rough(recordings))
     telling: dict[int, Part] = {}
     steps = 2 * len(recordings) + 1
     for i, recording in enumerate(recordings):
@@ -83,11 +83,11 @@ def body_references(
             telling[i] = (
                 _part_anew(whole[i], recording, sensors, without_block)
                 if whole
-                else _part(cut.geometry, recording, model, sensors)
+                else _part(cut.geometry, recording, models[-1], sensors)
             )
     report("shapes of bodies", len(recordings), steps)
     before = next((one.learned for one in whole if one.learned is not None), None)
-    shared, settled = pooled(joint, list(telling.values()), model, sensors, common, before)
+    shared, settled = pooled(joint, list(telling.values()), models, sensors, common, before)
     telling = dict(zip(telling, settled, strict=True))
     made = []
     for i, recording in enumerate(recordings):
@@ -103,7 +103,7 @@ def body_references(
         elif whole:
             made.append(whole[i])
         else:
-            part = _part(cut.geometry, recording, model, sensors, settled)
+            part = _part(cut.geometry, recording, models[-1], sensors, settled)
             sensed = _borrowed(part, shared, common, sensors)
             made.append(_reference(part, shared, sensed, sensors, cut))
     report("shapes of bodies", steps, steps)

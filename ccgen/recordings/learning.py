@@ -10,7 +10,7 @@ Errors of a joint that moves slowly are alike from row to row, so the likelihood
 rows as are independent; standard deviations would otherwise be told far too small.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -140,6 +140,33 @@ def learn(
         trust=_trust(seen, found, posterior.state, noise),
         independent=independent,
     )
+
+
+def most_probable(
+    sight: Sight, models: Sequence[Model], seen: Lengths, independent: float, start: Floats
+) -> Learned:
+    """What rows have in common, by whichever model makes them the most probable.
+
+    Models are held against each other where the first one has references linearised and noise
+    found: arguments as of `learn`.
+    """
+    learned = learn(sight, models[0], seen, independent, start)
+    if len(models) == 1:
+        return learned
+    state = learned.posterior.state
+    evidence = sight(state)
+    weight = _weight(seen, learned.found, state, learned.noise)
+    share = min(1.0, independent / len(start))
+    improbable = []
+    for model in models:
+        likelihood = Likelihood(model, seen, evidence, weight, share)
+        soft = learned.found.log_compliance + models[0].expected - model.expected
+        theta = likelihood.theta(replace(learned.found, log_compliance=soft))
+        curvature = likelihood.thinned.curvature(theta)
+        theta = _descended(likelihood, theta, curvature, _STEPS, _FLAT)
+        improbable.append(likelihood.improbability(theta))
+    best = int(np.argmin(improbable))
+    return learn(sight, models[best], seen, independent, state) if best else learned
 
 
 def shapes(

@@ -268,6 +268,15 @@ class Likelihood:
         values, vectors = np.linalg.eigh((whole + whole.T) / 2)
         return np.asarray((vectors * np.maximum(values, 1.0)) @ vectors.T)
 
+    def improbability(self, theta: Floats) -> float:
+        """Negative logarithm of how probable the recording is under the model, but for a constant.
+
+        Parameters are integrated out about theta, where they are most probable (Laplace). A model
+        that leaves them much room pays for it. (MacKay, "Bayesian interpolation", 1992.)
+        """
+        value, _ = self.value_and_gradient(theta)
+        return value + float(np.linalg.slogdet(self.thinned.curvature(theta))[1]) / 2
+
     def _known(self, at: Parameters) -> tuple[Floats, Floats, Floats]:
         """Information and potential of references and readings, and the readings less zeros."""
         sensed = at.gain[:, None] * self.seen.matrix

@@ -53,6 +53,7 @@ class Model:
         basis: states for unit coordinates at unit compliance and size, shape (p, k).
         compliance: number of the compliance that multiplies each state, -1 for none; shape (p,).
         compliance_std: of their logarithms about 0, shape (c,).
+        expected: logarithm of the compliance that the basis holds, shape (c,).
         size: number of the size that multiplies each coordinate, -1 for none; shape (k,).
         sizes: number of sizes.
     """
@@ -60,6 +61,7 @@ class Model:
     basis: Floats
     compliance: Indices
     compliance_std: Floats
+    expected: Floats
     size: Indices
     sizes: int
 
@@ -121,30 +123,39 @@ def smooth_model(
         basis,
         np.concatenate([segments, segments, np.full(count + 1, -1)]),
         spread,
+        np.log(known),
         np.concatenate([number, number, np.full(stretch, sizes), [sizes + (stretch > 0)]]),
         sizes + (stretch > 0) + 1,
     )
 
 
-def joint_model(geometry: "Geometry", loads: "LoadRanges | None", rough: bool) -> Model:
-    """How shapes of a joint come about, before anything is recorded.
+def joint_models(
+    geometry: "Geometry", loads: "LoadRanges | None", rough: bool
+) -> tuple[Model, ...]:
+    """How shapes of a joint may come about, before anything is recorded.
+
+    A stiffness profile that the user states may be a guess, and its tolerance a wide one; what the
+    recordings make of it is for them to tell (`ccgen.recordings.learning`).
 
     Args:
         geometry: of the joint.
         loads: of which the stiffness counts; None where they are not stated.
         rough: as of `smooth_model`.
+
+    Returns:
+        The joint alike all along but for its ends; where a profile is stated, that one with the
+        usual spread, and last as it is stated.
     """
     reach = 0.0 if geometry.elongation is None else float(np.abs(geometry.elongation).max())
-    profile, tolerance = None, 0.0
+    stated: list[tuple[Floats | None, float]] = [(None, 0.0)]
     if loads is not None and len(loads.stiffness_profile) > 1:
         points = (np.arange(64 * geometry.segments) + 0.5) / (64 * geometry.segments)
         compliance = 1 / np.array(loads.stiffness_profile)
         at = (points * len(compliance)).astype(np.intp)
         profile = compliance[at].reshape(geometry.segments, 64).mean(axis=1)
-        tolerance = loads.stiffness_tolerance
-    return smooth_model(
-        geometry.sections, geometry.range_of_motion, reach, profile, tolerance, rough
-    )
+        stated += [(profile, 0.0), (profile, loads.stiffness_tolerance)]
+    sections, range_of_motion = geometry.sections, geometry.range_of_motion
+    return tuple(smooth_model(sections, range_of_motion, reach, *one, rough) for one in stated)
 
 
 def fixed_model(covariance: Floats) -> Model:
@@ -153,7 +164,7 @@ def fixed_model(covariance: Floats) -> Model:
     kept = values > values.max() * 1e-12
     basis = vectors[:, kept] * np.sqrt(values[kept])
     none = np.full(len(basis), -1)
-    return Model(basis, none, np.zeros(0), np.full(basis.shape[1], -1), 0)
+    return Model(basis, none, np.zeros(0), np.zeros(0), np.full(basis.shape[1], -1), 0)
 
 
 def free_model(states: Floats) -> Model:
@@ -167,7 +178,7 @@ def free_model(states: Floats) -> Model:
     basis = np.zeros((states.shape[1] + 1, len(seen)))
     basis[seen, np.arange(len(seen))] = size[seen]
     none = np.full(len(basis), -1)
-    return Model(basis, none, np.zeros(0), np.full(len(seen), -1), 0)
+    return Model(basis, none, np.zeros(0), np.zeros(0), np.full(len(seen), -1), 0)
 
 
 def _modes(sections: Sequence[int]) -> Floats:

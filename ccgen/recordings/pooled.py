@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ccgen.recordings.frames import Spread
 from ccgen.recordings.gains import ZERO_STD, Calibration, stretch_zero
-from ccgen.recordings.learning import Learned, learn
+from ccgen.recordings.learning import Learned, learn, most_probable
 from ccgen.recordings.lengths import Read
 from ccgen.recordings.likelihood import Evidence, Lengths, Parameters
 from ccgen.recordings.modes import Model, fixed_model
@@ -131,7 +131,7 @@ def with_twist(matrix: Floats) -> Floats:
 def pooled(
     joint: "Joint",
     parts: Sequence[Part],
-    model: Model,
+    models: Sequence[Model],
     sensors: RecordedSensors,
     common: Calibration | None,
     before: Learned | None = None,
@@ -141,33 +141,35 @@ def pooled(
     Args:
         joint: whose recordings they are.
         parts: those to fit to.
-        model: how shapes come about.
+        models: how shapes may come about; the last one where nothing is recorded.
         sensors: those of the joint.
         common: what other recordings told of them.
         before: what nearly the same rows told, to begin with.
     """
     if not parts:
+        model = models[-1]
         T = usual(model)
         compliances, sizes = np.zeros(len(model.compliance_std)), np.zeros(model.sizes)
         nothing = Parameters(compliances, sizes, np.zeros(0), np.zeros((1, 0)))
         return Shared(model, nothing, None, T @ T.T), []
     own = list(parts)
-    shared = _shared(joint, own, model, sensors, common, before)
+    shared = _shared(joint, own, models, sensors, common, before)
     if any(not part.spread.certain for part in own):
         own = [_resettled(part, i, shared, sensors) for i, part in enumerate(own)]
-        shared = _shared(joint, own, model, sensors, common, before)
+        shared = _shared(joint, own, models, sensors, common, before)
     return shared, own
 
 
 def _shared(
     joint: "Joint",
     parts: Sequence[Part],
-    model: Model,
+    models: Sequence[Model],
     sensors: RecordedSensors,
     common: Calibration | None,
     before: Learned | None,
 ) -> Shared:
-    learned = _learned(joint, parts, model, sensors, common, before)
+    learned = _learned(joint, parts, models, sensors, common, before)
+    model = learned.model
     sections = joint.geometry.sections
     calibration = None
     if any(part.read is not None for part in parts):
@@ -177,7 +179,8 @@ def _shared(
         )
     moment = sections_apart(learned.second_moment, sections)
     if len(sections) == 1:
-        compliance = np.stack([learned.found.log_compliance, learned.spread.log_compliance])
+        soft = model.expected + learned.found.log_compliance
+        compliance = np.stack([soft, learned.spread.log_compliance])
         known = compliance if compliance.size else None
         told = learned.covariance
         return Shared(model, learned.found, calibration, moment, known, learned, told)
@@ -206,7 +209,7 @@ def sections_apart(moment: Floats, sections: Sequence[int]) -> Floats:
 def _learned(
     joint: "Joint",
     parts: Sequence[Part],
-    model: Model,
+    models: Sequence[Model],
     sensors: RecordedSensors,
     common: Calibration | None,
     before: Learned | None,
@@ -229,7 +232,10 @@ def _learned(
 
     seen = _seen(joint, parts, chosen, sensors, common)
     start = np.concatenate([part.state[rows] for part, rows in zip(parts, chosen, strict=True)])
-    return learn(sight, model, seen, sum(part.independent for part in parts), start, before)
+    independent = sum(part.independent for part in parts)
+    if before is None:
+        return most_probable(sight, models, seen, independent, start)
+    return learn(sight, before.model, seen, independent, start, before)
 
 
 def _some(part: Part, most: int) -> Indices:
