@@ -21,6 +21,7 @@ import e2e.p01
 import e2e.p05
 import numpy as np
 import pytest
+from false_alarms import along
 from jsonschema import Draft202012Validator
 from mcap.reader import make_reader
 from waiting import PATIENCE, becomes
@@ -33,6 +34,7 @@ from ccgen.cli.main import main
 from ccgen.cli.monitor_display import line, table
 from ccgen.export.package import export
 from ccgen.recordings.log_files import read_frames
+from ccgen.sensing.readings import length_changes
 from ccgen.targets.exported import open_exported
 from ccgen.targets.host import compile_shared
 
@@ -369,6 +371,43 @@ def test_a_sensor_that_the_node_suspects_is_named(joint, tmp_path, capsys):
     assert len(suspected) == 20
     assert faults(lines) == {k: ["suspected"] for k in suspected}
     check_good(joint, lines, but=suspected)
+
+
+@pytest.fixture(scope="module")
+def swinging(tmp_path_factory):
+    """A joint with enough sensors to hold against each other, swinging slowly to one side."""
+    joint = Joint(tmp_path_factory.mktemp("monitor"), along(6, name="shoulder"))
+    parsed = joint.exported.joint
+    angles = np.radians(2.0) * np.sin(np.pi * np.arange(SNAPSHOTS) / SNAPSHOTS)[:, None]
+    along_joint = np.cos(np.arange(12) / 8.0)  # bends most at the base
+    state = np.concatenate([angles * along_joint, 0.7 * angles * along_joint, 0 * angles], axis=1)
+    steps = [sensor.metres_per_count for sensor in parsed.sensors]
+    joint.counts = np.rint(length_changes(parsed, state) / steps).astype(np.int64)
+    return joint
+
+
+@pytest.mark.parametrize("stuck", [2, 9])
+def test_a_sensor_that_sticks_while_the_joint_moves_is_suspected(swinging, tmp_path, capsys, stuck):
+    moving = swinging.counts
+    swinging.counts = moving.copy()
+    swinging.counts[10:, stuck] = moving[10, stuck]
+    frames = swinging.answered(swinging.plan())
+    swinging.counts = moving
+    lines, summary = watched(swinging, frames, tmp_path, capsys)
+    name = swinging.exported.joint.sensors[stuck].name
+    told = [line["counter"] - FIRST for line in lines if line["suspected"]]
+    assert {tuple(line["suspected"]) for line in lines if line["suspected"]} == {(name,)}
+    assert 10 < told[0] <= 30
+    assert set(range(told[0], SNAPSHOTS - 20)) <= set(told)  # while the joint moves away
+    assert faults(lines) == {k: ["suspected"] for k in told}
+    assert summary["faults"]["suspected"] == len(told)
+    assert summary["mismatches"] == 0
+
+
+def test_sensors_of_a_joint_that_moves_are_not_suspected(swinging, tmp_path, capsys):
+    lines, summary = watched(swinging, swinging.answered(swinging.plan()), tmp_path, capsys)
+    assert faults(lines) == {}
+    assert summary["mismatches"] == 0
 
 
 @pytest.mark.parametrize("victim", range(3))
