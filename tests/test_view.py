@@ -10,14 +10,19 @@ import sys
 import threading
 import time
 import tty
+import urllib.error
+import urllib.request
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import viser
 from joint_files import joint_text
 from viewer import moves, until, viewer
 from waiting import PATIENCE, becomes
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
 
 import ccgen
 from ccgen.cli.main import main
@@ -204,6 +209,29 @@ def test_the_page_is_for_this_machine_alone_and_says_nothing(joint, sights, capf
             assert second.url != page.url
         assert page._server.request_share_url() is None
     assert capfd.readouterr() == ("", "")
+
+
+def test_pages_from_elsewhere_do_not_see_the_joint(joint):
+    with open_page(joint, None) as page:
+        socket_of = page.url.replace("http://", "ws://")
+        protocol = [f"viser-v{viser.__version__}"]
+        for here in (None, page.url, "http://localhost:9000", "http://[::1]:80"):
+            with connect(socket_of, origin=here, subprotocols=protocol) as opened:
+                assert opened.recv(timeout=PATIENCE)
+        for foreign in (
+            "https://example.com",
+            "http://127.0.0.1.example.com",
+            "null",
+            "http://[",
+            "",
+        ):
+            with pytest.raises(InvalidStatus, match="403"):
+                connect(socket_of, origin=foreign, subprotocols=protocol)
+        with urllib.request.urlopen(page.url) as answer:
+            assert answer.status == 200
+        asked = urllib.request.Request(page.url, headers={"Origin": "https://example.com"})
+        with pytest.raises(urllib.error.HTTPError, match="403"):
+            urllib.request.urlopen(asked)
 
 
 def test_an_update_is_few_messages_however_many_sensors_there_are(joint, sights):

@@ -20,6 +20,7 @@ import numpy as np
 from ccgen.errors import ArgumentError, ToolError
 from ccgen.joint import Joint
 from ccgen.view.drawing import Colours, Drawing, drawing_of, pieces
+from ccgen.view.origins import own_pages_only
 from ccgen.view.panel import legend, numbers
 from ccgen.view.sight import Bends, Errors, Floats, Sight, errors_of
 
@@ -250,7 +251,8 @@ def open_page(joint: Joint, truth: str | None, port: int | None = None) -> Itera
     console = rich.get_console()  # viser tells of itself there; stdout is for results
     quiet, console.quiet = console.quiet, True
     try:
-        server = LocalServer(HOST, chosen, label=joint.name, verbose=False)
+        with own_pages_only():
+            server = LocalServer(HOST, chosen, label=joint.name, verbose=False)
         try:
             if server.get_port() != chosen:
                 raise ArgumentError(f"{chosen} was just taken; name another", "view_port")
