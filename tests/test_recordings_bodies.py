@@ -126,6 +126,22 @@ def test_a_frame_without_a_straight_stretch_is_found_from_all_rows(tmp_path):
     assert apart(it.state, state) < 0.6
 
 
+def test_a_body_base_that_shows_its_axes_is_at_the_base_unless_stated(tmp_path):
+    turn = exponential(np.radians([0.0, 90.0, 0.0]))
+
+    def add(columns):
+        fixed = np.array([0.3, 0.1, -0.2, 0.0, np.sqrt(0.5), 0.0, np.sqrt(0.5)])
+        rows = np.broadcast_to(fixed, (len(columns["t"]), 7))
+        parts = ("x", "y", "z", "qx", "qy", "qz", "qw")
+        columns |= {f"base_{part}": rows[:, k] for k, part in enumerate(parts)}
+
+    state = written(tmp_path, rows=240, turn=turn, change=add)
+    silent, stated = KEYS, KEYS.replace("{", "{ base = 0.0,", 1)
+    one, other = (made(tmp_path, ("run.csv", keys))[0] for keys in (silent, stated))
+    np.testing.assert_array_equal(one.state, other.state)
+    assert apart(one.state, state) < 1.0
+
+
 def test_occluded_markers_and_outliers_do_little_and_are_counted(tmp_path):
     def spoil(columns):
         for axis in "xyz":

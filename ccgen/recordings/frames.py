@@ -20,13 +20,10 @@ from ccgen.joint.specification import Geometry
 from ccgen.kinematics.rotations import mean_rotation, without_twist
 from ccgen.kinematics.stations import places, seen_from_base
 from ccgen.recordings.movement import check_rest
-from ccgen.recordings.recording import Body, Recording
+from ccgen.recordings.recording import BASE, Body, Recording
 from ccgen.recordings.sights import Frame, Sights
 
 Floats = NDArray[np.float64]
-
-BASE = "base"
-"""Name of a body whose axes are those of the joint's base."""
 
 _FREE = 1.0
 """Standard deviation, radians, of a rotation of which nothing is known."""

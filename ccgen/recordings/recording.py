@@ -17,6 +17,9 @@ from ccgen.recordings.table import Table, read_table
 
 Floats = NDArray[np.float64]
 
+BASE = "base"
+"""The body whose axes are those of the base; where it has an orientation, at 0 unless stated."""
+
 
 @dataclass(frozen=True)
 class Extent:
@@ -144,10 +147,17 @@ def read_recording(
 
 
 def _named_bodies(file: RecordingFile) -> tuple[str, ...]:
-    """Names of bodies in the joint file, those of the base that have no station first."""
-    stations = sorted(file.stations, key=lambda item: item[1])
-    names = [name for name, _ in stations]
-    return (*(name for name in file.base or () if name not in names), *names)
+    """Names of bodies in the joint file."""
+    return tuple(dict.fromkeys((*(file.base or ()), *dict(file.stations))))
+
+
+def _stations(file: RecordingFile, columns: Columns) -> dict[str, float]:
+    """Stations of bodies in their order, that of the base among them where it shows its axes."""
+    stations = dict(sorted(file.stations, key=lambda item: item[1]))
+    if not stations or file.base is not None or BASE in stations:
+        return stations
+    shown = bool(np.isfinite(columns.orientations.get(BASE, np.nan)).any())
+    return ({BASE: 0.0} if shown else {}) | stations
 
 
 def _chosen(table: Table, rows: tuple[int, int]) -> Table:
@@ -173,9 +183,9 @@ def _angles(table: Table, columns: Columns, extent: Extent) -> tuple[Floats | No
 def _bodies(
     table: Table, columns: Columns, file: RecordingFile, extent: Extent
 ) -> tuple[Body, ...]:
-    stations = dict(file.stations)
+    stations = _stations(file, columns)
     bodies = []
-    for name in _named_bodies(file):
+    for name in (*(name for name in file.base or () if name not in stations), *stations):
         checks.check_appears(table, name, columns.positions)
         quaternions = columns.orientations.get(name)
         if quaternions is not None:
