@@ -384,6 +384,18 @@ WRONG_VALUES = [
         "none",
     ),
     (
+        bodies(tip_y=changed(bodies()["tip_y"], 3, 1e300)),
+        STATIONS,
+        "line 5, column tip_y: 1e+300 m is no place of a body; write metres, and leave the cells "
+        "empty where tip was not seen",
+    ),
+    (
+        columns(),
+        "delay = 500.0",
+        "delay = 500 leaves 0 of its rows with counts, which run from 0 to 3.9 s; write the "
+        'seconds by which the sensors lag, or "estimate"',
+    ),
+    (
         columns(),
         "straight = [60.0, 70.0]",
         "0 rows within straight = [60, 70]; the recording runs from 0 to 3.9 s",

@@ -28,6 +28,9 @@ _NORM_TOLERANCE = 0.02
 _MOST_OUTSIDE = 0.5
 _LARGEST_SHARE = 1.0
 
+_FARTHEST = 1e6
+"""Metres that nobody measures with."""
+
 _LENGTH_UNITS = ((200.0, 5000.0, "millimetres"), (25.0, 200.0, "centimetres or inches"))
 _LONGEST_RATIO = 3.0
 _SHORTEST_RATIO = 0.01
@@ -143,6 +146,21 @@ def check_appears(table: Table, body: str, positions: Mapping[str, Floats]) -> N
         )
 
 
+def check_places(table: Table, body: str, positions: Floats) -> None:
+    """Check that a body is somewhere, whatever the unit.
+
+    Raises:
+        InputError: naming the first place that is none.
+    """
+    row, axis = np.unravel_index(np.argmax(np.nan_to_num(np.abs(positions))), positions.shape)
+    if abs(positions[row, axis]) > _FARTHEST:
+        column = f"{body}_{'xyz'[axis]}"
+        raise InputError(
+            f"{table.where(int(row), column)}: {positions[row, axis]:g} m is no "
+            f"place of a body; write metres, and leave the cells empty where {body} was not seen"
+        )
+
+
 def check_quaternions(table: Table, body: str, quaternions: Floats) -> None:
     """Check that quaternions (N, 4) are unit, as far as rounding goes.
 
@@ -237,6 +255,28 @@ def usable_counts(
                 f"{source}: sensor {name}: {int(ends[:, j].sum())} counts at the end of their range"
             )
     return np.where(ends, np.nan, counts), tuple(notes)
+
+
+def check_delay(source: str, delay: float, t: Floats, counts: Floats) -> None:
+    """Check that counts are left for the rows of a recording where the sensors lag so much.
+
+    Args:
+        source: the file.
+        delay: seconds, as the joint file states it.
+        t: times of the rows, seconds.
+        counts: times of the counts, seconds.
+
+    Raises:
+        InputError: fewer rows than a recording needs.
+    """
+    read_at = t + delay
+    there = int(((read_at >= counts[0]) & (read_at <= counts[-1])).sum())
+    if there < min(FEWEST_ROWS, len(t)):
+        raise InputError(
+            f"{source}: delay = {delay:g} leaves {there} of its rows with counts, which run from "
+            f"{counts[0]:g} to {counts[-1]:g} s; write the seconds by which the sensors lag, or "
+            '"estimate"'
+        )
 
 
 def check_interval(source: str, key: str, interval: tuple[float, float], t: Floats) -> None:

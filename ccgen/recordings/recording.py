@@ -187,6 +187,7 @@ def _bodies(
     bodies = []
     for name in (*(name for name in file.base or () if name not in stations), *stations):
         checks.check_appears(table, name, columns.positions)
+        checks.check_places(table, name, columns.positions[name])
         quaternions = columns.orientations.get(name)
         if quaternions is not None:
             checks.check_quaternions(table, name, quaternions)
@@ -295,6 +296,8 @@ def _check_stated(recording: Recording) -> None:
         interval = getattr(file, name)
         if interval is not None:
             checks.check_interval(recording.source, name, interval, recording.t)
+    if file.delay is not None and recording.counts is not None:
+        checks.check_delay(recording.source, file.delay, recording.t, recording.counts.t)
 
 
 def _check_moves(recording: Recording, extent: Extent) -> None:
