@@ -262,6 +262,15 @@ def test_a_length_that_looks_like_millimetres_is_told_once_with_its_key(changes,
     assert said in ccgen.fit(odd).warnings
 
 
+def test_a_camera_that_misses_bodies_by_the_joints_length_is_told():
+    recorded = '[[recordings]]\nfile = "run.csv"\nstations = { tip = 0.1 }\nposition_noise = '
+    fine, odd = (ccgen.parse(joint_text(tables=recorded + noise)) for noise in ("2e-4", "0.2"))
+    assert not unit_doubts(fine)
+    (said,) = unit_doubts(odd)
+    assert said.startswith("joint.toml: recordings[0].position_noise: ")
+    assert said.endswith("0.2 mm are 0.0002")
+
+
 def test_keys_of_one_axis_and_of_one_sensor_are_told_where_they_stand():
     text = joint_text(transducer="noise = 2e-5\n[sensors.v]\nradius = 43.0")
     assert [said.split(": ")[1] for said in unit_doubts(ccgen.parse(text))] == ["sensors.v.radius"]

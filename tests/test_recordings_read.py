@@ -146,6 +146,11 @@ def test_a_sensor_without_counts_is_said(tmp_path):
     assert it.notes == (f"{tmp_path / 'run.csv'}: sensor v0 has no counts",)
 
 
+def test_a_sensor_that_never_moves_is_said(tmp_path):
+    it = read(tmp_path, columns(count_u0=np.full(ROWS, 7)))
+    assert it.notes == (f"{tmp_path / 'run.csv'}: sensor u0 reads 7 throughout",)
+
+
 def test_elongation_is_of_every_section(tmp_path):
     it = read(tmp_path, columns(elongation=np.full(ROWS, 0.02)))
     np.testing.assert_array_equal(it.h, np.full((ROWS, 1), 0.02))
@@ -388,6 +393,12 @@ WRONG_VALUES = [
         STATIONS,
         "line 5, column tip_y: 1e+300 m is no place of a body; write metres, and leave the cells "
         "empty where tip was not seen",
+    ),
+    (
+        columns(count_u0=np.full(ROWS, 7), count_v0=None),
+        "",
+        "no count ever changes in it; record the counts while the joint bends, or leave out the "
+        "columns count_...",
     ),
     (
         columns(),

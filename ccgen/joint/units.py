@@ -1,7 +1,8 @@
 """Numbers of a joint file that are legal and look as if they were meant in millimetres.
 
 Every length in the file is in metres. A joint of 114.76 m is more likely one of 114.76 mm, and so
-are a sensor far outside the joint, and noise and counts as large as the movement that they measure.
+are a sensor far outside the joint, noise and counts as large as the movement that they measure, and
+a camera that misses bodies by a part of the joint.
 """
 
 from collections.abc import Iterator
@@ -13,6 +14,8 @@ _LONG = 10.0
 """Metres that no joint is long, and no sensor away from its axis."""
 _WIDE = 5.0
 """Distance from the neutral axis, in lengths of the joint."""
+_VAGUE = 0.05
+"""Lengths of the joint by which no camera misses a body."""
 _COARSE = 0.25
 """Noise, or the step of a count, as a share of the movement."""
 
@@ -34,6 +37,14 @@ def _doubts(joint: Joint) -> Iterator[tuple[str, str]]:
             f"a joint {length:g} m long is unusual; lengths are in metres, {length:g} mm are "
             f"{length / 1e3:g}",
         )
+    for k, recording in enumerate(joint.recordings):
+        noise = recording.position_noise or 0.0
+        if noise > _VAGUE * length:
+            yield (
+                f"recordings[{k}].position_noise",
+                f"bodies are {noise:g} m off on a joint {length:g} m long; {noise:g} mm are "
+                f"{noise / 1e3:g}",
+            )
     for j, sensor in enumerate(joint.sensors):
         if sensor.radius > min(_LONG, _WIDE * length):
             yield (

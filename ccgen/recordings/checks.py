@@ -232,14 +232,15 @@ def usable_counts(
         sensors: their ranges.
 
     Raises:
-        InputError: most counts of a sensor lie outside its range, or no sensor has any.
+        InputError: most counts of a sensor lie outside its range, no sensor has any, or none
+            changes.
     """
     there = ~np.isnan(counts)
     if not there.any():
         raise InputError(f"{source}: every count_... is empty; write raw counts, or no such column")
     beyond = there & ((counts < sensors.lowest) | (counts > sensors.highest))
     ends = there & ((counts <= sensors.lowest) | (counts >= sensors.highest))
-    notes = []
+    notes, still = [], []
     for j, name in enumerate(sensors.names):
         seen = int(there[:, j].sum())
         if not seen:
@@ -254,7 +255,21 @@ def usable_counts(
             notes.append(
                 f"{source}: sensor {name}: {int(ends[:, j].sum())} counts at the end of their range"
             )
+        elif _still(counts[:, j]):
+            still.append(name)
+            notes.append(f"{source}: sensor {name} reads {counts[there[:, j], j][0]:g} throughout")
+    if len(still) == int(there.any(axis=0).sum()):
+        raise InputError(
+            f"{source}: no count ever changes in it; record the counts while the joint bends, or "
+            "leave out the columns count_..."
+        )
     return np.where(ends, np.nan, counts), tuple(notes)
+
+
+def _still(counts: Floats) -> bool:
+    """Whether a sensor reads the same in enough rows to say so."""
+    there = counts[~np.isnan(counts)]
+    return len(there) >= FEWEST_ROWS and bool(np.all(there == there[0]))
 
 
 def check_delay(source: str, delay: float, t: Floats, counts: Floats) -> None:
