@@ -107,6 +107,11 @@ def test_checks_are_told_beside_the_estimate(checked, monkeypatch):
     assert examined in " ".join(table.split())
 
 
+def test_what_examines_sensors_stays_in_program_memory_on_avr(checked):
+    avr = measure(open_exported(checked), "avr")
+    assert avr.parts["estimator"].constants < 768, "no more than what is read at every snapshot"
+
+
 def test_examined_snapshots_are_followed_until_a_sensor_is_left_out(checked):
     exported = open_exported(checked)
     rows = np.repeat(snapshots(exported).examined[-1:], REPEATS, axis=0)
@@ -126,7 +131,7 @@ def test_a_core_that_reads_tables_from_ram_needs_ram_for_them(costs):
     avr, arm = costs["avr"], costs["cortex-m0"]
     assert avr.ram_bytes == avr.state_bytes + avr.constant_bytes
     assert avr.parts["node"].constants < 256, "tables of CRCs stay in program memory"
-    assert avr.parts["estimator"].constants < 256, "so do weights for missing sensors"
+    assert avr.parts["estimator"].constants < 128, "so does all but the weights of all sensors"
     assert arm.ram_bytes == arm.state_bytes
 
 

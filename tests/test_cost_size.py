@@ -47,7 +47,9 @@ def test_parts_are_what_the_linker_put_into_the_program(shoulder, target, tmp_pa
     compiled = compile_measured(shoulder, core, tmp_path)
     total = sum(read_map(compiled.map, shoulder.joint.name).values(), Size())
     sections, symbols = sections_and_symbols(compiled.program)
-    assert total.code == sections[".text"] - symbols.get("main", 0) - start_up_bytes(core, tmp_path)
+    code = sections[".text"] - symbols.get("main", 0) - start_up_bytes(core, tmp_path)
+    # On AVR tables come first, and code begins on a word.
+    assert 0 <= code - total.code <= (1 if target == "avr" else 0)
     inputs = symbols["cost_counts"] + symbols["cost_frames"]
     padding = sections[".data" if target == "avr" else ".rodata"] - inputs - total.constants
     # On the host the linker lays each object's tables on a boundary of up to 32 bytes.

@@ -1,10 +1,13 @@
 #include "ccgen/capture.h"
 
+#include "ccgen/flash.h"
+
 #define CYCLES 3u
 
 static bool is_whole(const ccgen_capture_limits_t *const limits, const int32_t *const counts) {
     for (uint8_t j = 0; j < limits->sensors; ++j) {
-        if ((counts[j] < limits->minimum[j]) || (counts[j] > limits->maximum[j])) {
+        if ((counts[j] < CCGEN_FLASH_INT32(&limits->minimum[j])) ||
+            (counts[j] > CCGEN_FLASH_INT32(&limits->maximum[j]))) {
             return false;
         }
     }
@@ -40,7 +43,7 @@ void ccgen_capture_begin(const ccgen_layout_t *const layout,
 static bool add(const ccgen_capture_limits_t *const limits, ccgen_capture_t *const capture,
                 const int32_t *const counts) {
     for (uint8_t j = 0; j < limits->sensors; ++j) {
-        const uint32_t limit = (uint32_t)limits->still[j];
+        const uint32_t limit = (uint32_t)CCGEN_FLASH_INT32(&limits->still[j]);
         const uint32_t away = (uint32_t)counts[j] - (uint32_t)capture->zero[j];
         if ((away + limit) > (2u * limit)) {
             return false;

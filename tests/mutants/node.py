@@ -233,8 +233,8 @@ CAPTURE = of(
     "src/capture.c",
     ("test_runtime_health.py",),
     ("CYCLES 3u", "CYCLES 300u"),
-    ("(counts[j] < limits->minimum[j]) || ", ""),
-    (" || (counts[j] > limits->maximum[j])", ""),
+    ("(counts[j] < CCGEN_FLASH_INT32(&limits->minimum[j])) ||\n            ", ""),
+    (" ||\n            (counts[j] > CCGEN_FLASH_INT32(&limits->maximum[j]))", ""),
     ("        capture->sum[j] = 0;\n", ""),
     (
         "    capture->heard_us = snapshot->now_us;\n    capture->patience_us",

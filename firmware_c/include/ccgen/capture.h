@@ -22,7 +22,7 @@ extern "C" {
 /** Longest time without a snapshot that counts. */
 #define CCGEN_CAPTURE_US 1000000u
 
-/** What a joint's sensors can count; lives in flash. Tables have an element for each sensor. */
+/** What a joint's sensors can count; lives in flash, tables CCGEN_FLASH with an element a sensor. */
 typedef struct {
     uint8_t sensors;
     const int32_t *minimum; /**< of a reading, counts */

@@ -13,6 +13,7 @@
 #ifndef CCGEN_RESIDUALS_H
 #define CCGEN_RESIDUALS_H
 
+#include "ccgen/flash.h"
 #include "ccgen/integer.h"
 #include "ccgen/watch.h"
 
@@ -20,7 +21,7 @@
 extern "C" {
 #endif
 
-/** The check of one group: lives in flash. */
+/** The check of one group: lives in flash, tables CCGEN_FLASH. */
 typedef struct {
     const int16_t *directions; /**< [sensors][sensors] B */
     const int32_t *threshold;  /**< [sensors] 0 or more */
@@ -38,7 +39,7 @@ static inline void ccgen_residuals(const ccgen_check_t *const check, const int16
     for (uint8_t j = 0; j < check->sensors; ++j) {
         uint32_t sum = 0;
         for (uint8_t i = 0; i < values; ++i) {
-            sum += (uint32_t)((int32_t)row[i] * parity[i]);
+            sum += (uint32_t)((int32_t)CCGEN_FLASH_INT16(&row[i]) * parity[i]);
         }
         size[j] = (sum < 0x80000000u) ? sum : (0u - sum);
         row += check->sensors;
@@ -49,7 +50,7 @@ static inline void ccgen_residuals(const ccgen_check_t *const check, const int16
 CCGEN_INLINE bool ccgen_alarms(const ccgen_check_t *const check, const uint32_t *const size,
                                const uint8_t more) {
     for (uint8_t j = 0; j < check->sensors; ++j) {
-        if (size[j] > ((uint32_t)check->threshold[j] >> more)) {
+        if (size[j] > ((uint32_t)CCGEN_FLASH_INT32(&check->threshold[j]) >> more)) {
             return true;
         }
     }
@@ -71,7 +72,7 @@ CCGEN_INLINE uint8_t ccgen_named(const ccgen_check_t *const check, const uint32_
             second = size[j];
         }
     }
-    const uint32_t margin = (uint32_t)check->margin[first] >> more;
+    const uint32_t margin = (uint32_t)CCGEN_FLASH_INT32(&check->margin[first]) >> more;
     return ((largest - second) > margin) ? first : CCGEN_VERDICT_UNNAMED;
 }
 

@@ -11,12 +11,13 @@
 
 #include "ccgen/check.h"
 #include "ccgen/error.h"
+#include "ccgen/flash.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/** Sensors that stand next to each other in the joint's list: lives in flash. */
+/** Sensors that stand next to each other in the joint's list: lives in flash, tables CCGEN_FLASH. */
 typedef struct {
     uint8_t sensors;             /**< 1 to CCGEN_SENSORS_MAX */
     const int16_t *minimum;      /**< [sensors] counts; above INT16_MIN, which means "no reading" */
@@ -29,7 +30,7 @@ typedef struct {
     const int16_t *zero_maximum; /**< [sensors] */
 } ccgen_sensors16_t;
 
-/** Lowest and highest values of some sensors: lives in flash. */
+/** Lowest and highest values of some sensors: lives in flash, tables CCGEN_FLASH. */
 typedef struct {
     const int16_t *minimum; /**< [sensors] */
     const int16_t *maximum; /**< [sensors] */
@@ -41,9 +42,9 @@ CCGEN_INLINE bool ccgen_sensors16_within(const ccgen_sensors16_t *const sensors,
     if (j >= sensors->sensors) {
         return true;
     }
-    const int32_t minimum = sensors->minimum[j];
-    /* MISRA 10.8 */
-    return (uint32_t)(counts[j] - minimum) <= (uint32_t)(sensors->maximum[j] - minimum);
+    const int32_t minimum = CCGEN_FLASH_INT16(&sensors->minimum[j]);
+    const int32_t maximum = CCGEN_FLASH_INT16(&sensors->maximum[j]);
+    return (uint32_t)(counts[j] - minimum) <= (uint32_t)(maximum - minimum); /* MISRA 10.8 */
 }
 
 /** \return whether a sensor gives a reading; true where there is no such sensor. */
@@ -55,7 +56,8 @@ CCGEN_INLINE bool ccgen_sensors16_has(const ccgen_sensors16_t *const sensors,
         return within;
     }
     const int32_t difference = (int32_t)counts[j] - zero[j];
-    return (difference >= sensors->difference_minimum[j]) && (difference <= sensors->difference_maximum[j]);
+    return (difference >= CCGEN_FLASH_INT32(&sensors->difference_minimum[j])) &&
+           (difference <= CCGEN_FLASH_INT32(&sensors->difference_maximum[j]));
 }
 
 /**
@@ -106,7 +108,8 @@ CCGEN_INLINE uint16_t ccgen_outside16(const ccgen_range16_t *const range, const 
     for (uint8_t j = sensors; j > 0u; --j) {
         const int16_t value = values[j - 1]; /* MISRA 10.4 */
         /* MISRA 10.4 */
-        const bool inside = (value >= range->minimum[j - 1]) && (value <= range->maximum[j - 1]);
+        const bool inside = (value >= CCGEN_FLASH_INT16(&range->minimum[j - 1])) &&
+                            (value <= CCGEN_FLASH_INT16(&range->maximum[j - 1])); /* MISRA 10.4 */
         mask = (mask << 1) | (inside ? 0u : 1u);
     }
     return (uint16_t)mask;

@@ -11,12 +11,13 @@
 
 #include "ccgen/check.h"
 #include "ccgen/error.h"
+#include "ccgen/flash.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/** Sensors that stand next to each other in the joint's list: lives in flash. */
+/** Sensors that stand next to each other in the joint's list: lives in flash, tables CCGEN_FLASH. */
 typedef struct {
     uint8_t sensors;             /**< 1 to CCGEN_SENSORS_MAX */
     const int32_t *minimum;      /**< [sensors] counts; above INT32_MIN, which means "no reading" */
@@ -29,7 +30,7 @@ typedef struct {
     const int32_t *zero_maximum; /**< [sensors] */
 } ccgen_sensors32_t;
 
-/** Lowest and highest values of some sensors: lives in flash. */
+/** Lowest and highest values of some sensors: lives in flash, tables CCGEN_FLASH. */
 typedef struct {
     const int32_t *minimum; /**< [sensors] */
     const int32_t *maximum; /**< [sensors] */
@@ -41,7 +42,8 @@ CCGEN_INLINE bool ccgen_sensors32_within(const ccgen_sensors32_t *const sensors,
     if (j >= sensors->sensors) {
         return true;
     }
-    return (counts[j] >= sensors->minimum[j]) && (counts[j] <= sensors->maximum[j]);
+    return (counts[j] >= CCGEN_FLASH_INT32(&sensors->minimum[j])) &&
+           (counts[j] <= CCGEN_FLASH_INT32(&sensors->maximum[j]));
 }
 
 /** \return whether a sensor gives a reading; true where there is no such sensor. */
@@ -53,7 +55,8 @@ CCGEN_INLINE bool ccgen_sensors32_has(const ccgen_sensors32_t *const sensors,
         return within;
     }
     const int64_t difference = (int64_t)counts[j] - zero[j];
-    return (difference >= sensors->difference_minimum[j]) && (difference <= sensors->difference_maximum[j]);
+    return (difference >= CCGEN_FLASH_INT32(&sensors->difference_minimum[j])) &&
+           (difference <= CCGEN_FLASH_INT32(&sensors->difference_maximum[j]));
 }
 
 /**
@@ -104,7 +107,8 @@ CCGEN_INLINE uint16_t ccgen_outside32(const ccgen_range32_t *const range, const 
     for (uint8_t j = sensors; j > 0u; --j) {
         const int32_t value = values[j - 1]; /* MISRA 10.4 */
         /* MISRA 10.4 */
-        const bool inside = (value >= range->minimum[j - 1]) && (value <= range->maximum[j - 1]);
+        const bool inside = (value >= CCGEN_FLASH_INT32(&range->minimum[j - 1])) &&
+                            (value <= CCGEN_FLASH_INT32(&range->maximum[j - 1])); /* MISRA 10.4 */
         mask = (mask << 1) | (inside ? 0u : 1u);
     }
     return (uint16_t)mask;

@@ -10,6 +10,7 @@
 #define CCGEN_SERVING16_H
 
 #include "ccgen/axis16.h"
+#include "ccgen/flash.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -36,7 +37,7 @@ CCGEN_INLINE const ccgen_axis16_t *ccgen_serving16(const ccgen_axis16_t *const o
     for (uint32_t rest = absent; rest > 1u; rest >>= 1) {
         ++one;
     }
-    return (one->rows != NULL) ? one : NULL;
+    return (CCGEN_FLASH_POINTER(&one->rows) != NULL) ? one : NULL;
 }
 
 /** Writes "no reading" for every value of a lost axis. */

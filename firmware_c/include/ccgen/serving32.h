@@ -10,6 +10,7 @@
 #define CCGEN_SERVING32_H
 
 #include "ccgen/axis32.h"
+#include "ccgen/flash.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -36,7 +37,7 @@ CCGEN_INLINE const ccgen_axis32_t *ccgen_serving32(const ccgen_axis32_t *const o
     for (uint32_t rest = absent; rest > 1u; rest >>= 1) {
         ++one;
     }
-    return (one->weights != NULL) ? one : NULL;
+    return (CCGEN_FLASH_POINTER(&one->weights) != NULL) ? one : NULL;
 }
 
 /** Writes "no reading" for every value of a lost axis. */

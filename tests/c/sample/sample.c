@@ -4,9 +4,9 @@
 #include "ccgen/sensors16.h"
 
 /* Axis u saturates within its range and is narrow; axis v does neither. */
-static const int16_t u_minimum[3] = {-10000, -9000, -10000};
-static const int16_t u_maximum[3] = {10000, 12000, 10000};
-static const int16_t u_zero[3] = {12, -7, 0};
+static const int16_t u_minimum[3] CCGEN_FLASH = {-10000, -9000, -10000};
+static const int16_t u_maximum[3] CCGEN_FLASH = {10000, 12000, 10000};
+static const int16_t u_zero[3] CCGEN_FLASH = {12, -7, 0};
 static const int32_t u_biases[SAMPLE_SEGMENTS] = {
     0, 700, 1400, 2100, 2800, 3500, 4200, 4900, 5600, 6300, 7000, 7700,
 };
@@ -25,9 +25,9 @@ static const uint32_t u_rows[SAMPLE_SEGMENTS * 2] = {
     CCGEN_PAIR(-5402, 1673), CCGEN_PAIR(7547, 0),
 };
 
-static const int16_t v_minimum[3] = {-20000, -20000, -20000};
-static const int16_t v_maximum[3] = {20000, 20000, 20000};
-static const int16_t v_zero[3] = {0, 0, 0};
+static const int16_t v_minimum[3] CCGEN_FLASH = {-20000, -20000, -20000};
+static const int16_t v_maximum[3] CCGEN_FLASH = {20000, 20000, 20000};
+static const int16_t v_zero[3] CCGEN_FLASH = {0, 0, 0};
 /* clang-format off */
 static const int32_t v_biases[SAMPLE_SEGMENTS] = {
     0, -300, -600, -900, -1200, -1500, -1800, -2100, -2400, -2700, -3000, -3300,
@@ -71,10 +71,10 @@ int sample_init(sample_t *const joint) {
         return CCGEN_ERROR_ARGUMENT;
     }
     for (uint8_t j = 0; j < SAMPLE_SENSORS_U; ++j) {
-        joint->zero.u[j] = u_zero[j];
+        joint->zero.u[j] = CCGEN_FLASH_INT16(&u_zero[j]);
     }
     for (uint8_t j = 0; j < SAMPLE_SENSORS_V; ++j) {
-        joint->zero.v[j] = v_zero[j];
+        joint->zero.v[j] = CCGEN_FLASH_INT16(&v_zero[j]);
     }
     return CCGEN_OK;
 }
