@@ -153,6 +153,31 @@ def test_a_folder_whose_recordings_are_at_hand_is_reported(recorded, tmp_path, c
     assert "weights in the folder" not in (tmp_path / "file.html").read_text()
 
 
+def test_what_is_said_of_recordings_names_them_as_the_joint_file_does():
+    class Told:
+        def __init__(self, **values):
+            self.__dict__.update(values)
+
+    runs = [Told(source=f"/home/me/{n}", file=Told(file=n)) for n in ("a.csv", "b.csv")]
+    said = (
+        "state the noise",
+        "/home/me/a.csv: mid is far off",
+        "/home/me/b.csv: mid is far off",
+        "recording:b.csv: is short",
+    )
+    assert tables.warnings(Told(recordings=runs, warnings=said)) == (
+        ("state the noise",),
+        ("recording:a.csv, recording:b.csv: mid is far off", "recording:b.csv: is short"),
+    )
+
+
+def test_the_page_of_a_recorded_joint_holds_no_path(recorded, tmp_path):
+    assert run("report", recorded / "arm.toml", "-o", tmp_path / "page.html") == 0
+    html = (tmp_path / "page.html").read_text()
+    assert str(recorded) not in html
+    assert "recording:runs/run.csv" in html
+
+
 def test_a_folder_whose_recordings_are_elsewhere_says_which(recorded, tmp_path, capsys):
     moved = tmp_path / "arm"
     shutil.copytree(recorded / "firmware" / "arm", moved)

@@ -120,3 +120,36 @@ def test_drawings_of_a_shape_show_the_sensors_across_and_along(text):
         assert len(along.get_yticklabels()) == len(joint.sensors)
         angles = {round(math.degrees(one.angle) % 360) for one in joint.sensors}
         assert {text.get_text() for text in across.texts} == {f"{angle}°" for angle in angles}
+
+
+def test_strings_that_run_over_each_other_are_both_seen():
+    from ccgen.figures.strings import strings_figure
+
+    joint = ccgen.parse(ROUND)  # s1 runs within s2's span
+    (axes,) = strings_figure(joint).axes
+    strings = {line.get_label(): line for line in axes.lines if line.get_label()[0] == "s"}
+    assert strings["s2"].get_linewidth() > 1.5 * strings["s1"].get_linewidth()
+    assert strings["s2"].get_zorder() < strings["s1"].get_zorder()
+    widths = {strings[name].get_linewidth() for name in ("s0", "s1", "s3")}
+    assert widths == {strings["s1"].get_linewidth()}
+
+
+def test_a_joint_that_bends_in_a_plane_has_room_for_its_numbers():
+    from ccgen.figures.strings import strings_figure
+
+    (axes,) = strings_figure(ccgen.parse(ROUND + '[estimator]\naxes = ["v"]\n')).axes
+    low, high = axes.get_ylim()
+    assert high - low > 0.25 * 0.24
+
+
+def test_logarithmic_axes_have_numbers_without_powers():
+    from matplotlib.figure import Figure
+
+    from ccgen.figures.style import plain_numbers
+
+    axes = Figure().subplots()
+    axes.plot([1, 2], [0.002, 300.0])
+    axes.set_yscale("log")
+    plain_numbers(axes.yaxis)
+    told = axes.yaxis.get_major_formatter().format_ticks([0.001, 0.01, 100.0, 1000.0])
+    assert told == ["0.001", "0.01", "100", "1000"]

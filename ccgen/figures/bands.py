@@ -6,7 +6,7 @@ import numpy as np
 
 from ccgen.estimation.errors import Missed, Pooled
 from ccgen.estimation.fitted import FittedWeights
-from ccgen.figures.style import Floats, number_segments, shortened, styled
+from ccgen.figures.style import Floats, number_segments, plain_numbers, shortened, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,6 +38,7 @@ def bands_figure(fit: FittedWeights) -> "Figure":
             axes.plot(numbers, lower, ".-", color=colour, linewidth=1.2, label=shortened(name))
     for axis, axes in zip(bending, rows, strict=True):
         axes.set(title=f"Error of {axis}", ylabel="RMS / deg", yscale="log")
+        plain_numbers(axes.yaxis)
     rows[-1].set_xlabel("segment")
     number_segments(rows[-1].xaxis, joint.geometry.segments)
     handles, labels = rows[0].get_legend_handles_labels()

@@ -66,22 +66,28 @@ def _draw_space(axes: Any, joint: Joint, simulation: "Simulation", loads: Stated
     along = [(s, loads.distributed) for s in (np.arange(_SPREAD_ARROWS) + 0.5) / _SPREAD_ARROWS]
     _arrows(axes, curve, share, along, length, _SPREAD)
     axes.set(title=f"{joint.name} under loads", xlabel="x / m", ylabel="y / m", zlabel="z / m")
-    _to_scale(axes, length)
+    to_scale(axes, _NARROWEST_BOX * length, zoom=0.9)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper left")
 
 
-def _to_scale(axes: Any, length: float) -> None:
-    """One scale for all three coordinates, in a box that is never too narrow for its numbers."""
+def to_scale(axes: Any, narrowest: float, zoom: float) -> None:
+    """One scale for all three coordinates, in a box that is never too narrow for its numbers.
+
+    Args:
+        axes: three-dimensional, with everything drawn.
+        narrowest: least side of the box, metres.
+        zoom: of the box in its place.
+    """
     from matplotlib.ticker import MaxNLocator
 
     limits = [getattr(axes, f"get_{axis}lim")() for axis in "xyz"]
-    sides = [max(high - low, _NARROWEST_BOX * length) for low, high in limits]
+    sides = [max(high - low, narrowest) for low, high in limits]
     for axis, (low, high), side in zip("xyz", limits, sides, strict=True):
         middle = (low + high) / 2
         getattr(axes, f"set_{axis}lim")(middle - side / 2, middle + side / 2)
         getattr(axes, f"{axis}axis").set_major_locator(MaxNLocator(4))
-    axes.set_box_aspect(sides, zoom=0.9)
+    axes.set_box_aspect(sides, zoom=zoom)
 
 
 def _arrows(

@@ -6,6 +6,7 @@ import numpy as np
 
 from ccgen.figures.curves import POINTS_PER_SEGMENT, frames_along, string_paths
 from ccgen.figures.sensors import draw_across, draw_along
+from ccgen.figures.space import to_scale
 from ccgen.figures.style import Floats, styled
 from ccgen.joint import Joint
 
@@ -14,6 +15,9 @@ if TYPE_CHECKING:
 
 _BEND = np.radians(70.0)
 """Of the whole joint in the picture, or its range of motion where that is less."""
+
+_NARROWEST_BOX = 0.3
+"""Of the joint's length."""
 
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
@@ -30,16 +34,28 @@ def strings_figure(joint: Joint) -> "Figure":
     axes.plot(*frames[::POINTS_PER_SEGMENT, :3, 3].T, "k.", markersize=4.0)
     paths = string_paths(joint, frames)
     for i, (sensor, path) in enumerate(zip(joint.sensors, paths, strict=True)):
-        colour = _COLOURS[i % len(_COLOURS)]
-        axes.plot(*path.T, color=colour, linewidth=1.8, marker="o", markevery=[0, len(path) - 1],
-                  markersize=3.0, label=sensor.name)  # fmt: skip
-    limits = [getattr(axes, f"get_{name}lim")() for name in "xyz"]
-    axes.set_box_aspect([high - low for low, high in limits], zoom=0.85)
+        colour, over = _COLOURS[i % len(_COLOURS)], _over(joint, i)
+        width, marks = 1.8 * (1 + over), [0, len(path) - 1]
+        axes.plot(*path.T, color=colour, linewidth=width, marker="o", markersize=1.2 + width,
+                  markevery=marks, zorder=3.0 - over, label=sensor.name)  # fmt: skip
+    to_scale(axes, _NARROWEST_BOX * joint.geometry.length, zoom=0.85)
     axes.set(title=f"{joint.name} with its sensors", xlabel="x / m", ylabel="y / m", zlabel="z / m")
     axes.tick_params(labelsize=6.5)
     columns = min(6, len(joint.sensors))
     figure.legend(loc="outside lower center", ncols=columns, fontsize=7.0)
     return figure
+
+
+def _over(joint: Joint, i: int) -> int:
+    """Sensors that run within the span of another at its place, and would hide it or be hidden."""
+    own = joint.sensors[i]
+    return sum(
+        (other.angle, other.radius) == (own.angle, own.radius)
+        and own.start <= other.start
+        and other.end <= own.end
+        and (other.end - other.start, -j) < (own.end - own.start, -i)
+        for j, other in enumerate(joint.sensors)
+    )
 
 
 @styled

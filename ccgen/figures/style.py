@@ -84,6 +84,18 @@ def number_segments(axis: "Axis", segments: int) -> None:
     axis.grid(visible=True, which="minor")
 
 
+def plain_numbers(axis: "Axis") -> None:
+    """Number a logarithmic axis 0.02, 0.1, 3 rather than by powers of ten."""
+    from matplotlib.ticker import LogFormatter
+
+    class Plain(LogFormatter):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return f"{x:g}" if super().__call__(x, pos) else ""
+
+    axis.set_major_formatter(Plain(labelOnlyBase=False))
+    axis.set_minor_formatter(Plain(labelOnlyBase=False, minor_thresholds=(1, 0.4)))
+
+
 def whole_row(figure: "Figure", axes: Any) -> "Axes":
     """One for the whole row in the place of the axes of a row."""
     grid, row = axes[0].get_gridspec(), axes[0].get_subplotspec().rowspan.start

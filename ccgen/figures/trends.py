@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ccgen.estimation.fitted import FittedWeights
-from ccgen.figures.style import Floats, shortened, styled
+from ccgen.figures.style import Floats, plain_numbers, shortened, styled
 from ccgen.joint import Joint
 from ccgen.sensing.noise import length_variance, second_moment, stated_noise
 from ccgen.sensing.readings import response
@@ -49,6 +49,7 @@ def sensors_figure(fit: FittedWeights) -> "Figure":
         xlabel=f"sensors, at {len(places)} place{'s' * (len(places) > 1)} around the joint",
         ylabel="RMS of a segment / deg", yscale="log",
     )  # fmt: skip
+    plain_numbers(axes.yaxis)
     axes.legend()
     return figure
 
@@ -80,6 +81,8 @@ def noise_figure(fit: FittedWeights) -> "Figure | None":
         xlabel="times the noise that is stated",
         ylabel="RMS of a segment / deg", xscale="log", yscale="log",
     )  # fmt: skip
+    plain_numbers(axes.xaxis)
+    plain_numbers(axes.yaxis)
     axes.legend()
     return figure
 

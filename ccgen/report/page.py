@@ -27,6 +27,7 @@ from ccgen.report.tables import (
     fixed_point,
     sensors,
     stations,
+    warnings,
     without,
 )
 
@@ -61,10 +62,12 @@ def page(fit: Fit, notes: dict[str, str] | None = None, costs: Table | None = No
         notes: more to say of where it comes from, by title.
         costs: of its firmware, a row a core.
     """
+    of_joint, of_recordings = warnings(fit)
     html = resources.template("joint_report.html.j2").render(
         name=fit.joint.name,
         facts=facts(fit),
-        warnings=fit.warnings,
+        warnings=of_joint,
+        notes=of_recordings,
         errors=errors(fit),
         stations=stations(fit),
         without=without(fit),

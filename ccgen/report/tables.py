@@ -52,6 +52,26 @@ def facts(fit: "Fit") -> tuple[tuple[str, str], ...]:
     )
 
 
+def warnings(fit: "Fit") -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """What to know before relying on the fit: of the joint, and of single recordings.
+
+    Recordings go by their names in the joint file, together where the same is said of them.
+    """
+    names = {one.source: f"recording:{one.file.file}" for one in fit.recordings}
+    own: list[str] = []
+    of_recordings: dict[str, list[str]] = {}
+    for warning in fit.warnings:
+        for source, name in names.items():
+            start = next((s for s in (source, name) if warning.startswith(f"{s}: ")), None)
+            if start is not None:
+                of_recordings.setdefault(warning[len(start) + 2 :], []).append(name)
+                break
+        else:
+            own.append(warning)
+    told = (f"{', '.join(who)}: {said}" for said, who in of_recordings.items())
+    return tuple(own), tuple(told)
+
+
 def sensors(fit: "Fit") -> Table:
     """Where every sensor runs, and what it is."""
     length = 1e3 * fit.sensed.geometry.segment_length
