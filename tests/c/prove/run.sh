@@ -37,7 +37,8 @@ for pair in shoulder:ccgen_segments16 spine:ccgen_axis32_segments; do
     folder=$out/$joint
     "$ccgen" export "$examples/$joint.toml" -o "$folder" >/dev/null
     upper=$(printf '%s' "$joint" | tr a-z A-Z)
-    one=$(sed -n 's/.*k % 4 == 0 ? INT32_C(\([0-9]*\)).*/\1/p' "$folder/src/${joint}_pose.c")
+    one=$(sed -n 's/.*rotation\[k\] = .*INT32_C(\([0-9]*\)).*/\1/p' "$folder/src/${joint}_pose.c")
+    : "${one:?${joint}_pose.c does not say what 1 is in a rotation}"
     names="-DPOSE_SOURCE='\"${joint}_pose.c\"' -DPOSE_HEADER='\"${joint}_pose.h\"'"
     names="$names -DPOSE_TIP=${joint}_integer_tip_pose -DPOSE_ANGLES=${joint}_angles_t"
     names="$names -DPOSE_TYPE=${joint}_integer_pose_t -DPOSE_ANGLE=${joint}_angle_t"
