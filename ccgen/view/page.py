@@ -43,6 +43,8 @@ _TRACED = 400
 """Places of the tip."""
 _PLOTTED = 400
 """Points of a plot."""
+_STEPS = tuple(float(f"{digit}e{power}") for power in range(-3, 4) for digit in (1, 2, 5))
+"""Between the numbers of a plot, which are told with three decimals."""
 _ACROSS = np.array([1.0, 1.0, 0.05])
 """Lengths of a frame's axes: z, along the joint, would hide it."""
 _AROUND = 48
@@ -188,9 +190,10 @@ class _Plot:
             said = "tip / mm" if name == "tip" else f"{name} / deg"
             series.append({"label": said, "stroke": colours[name], "width": 1.5,
                            "scale": "mm" if name == "tip" else "y"})  # fmt: skip
-        axes: list[Any] = [{"label": "s", "labelSize": 16}, {"size": 44}]
+        upright = {"size": 52, "incrs": _STEPS}
+        axes: list[Any] = [{"label": "s", "labelSize": 16}, upright]
         if self._known:
-            axes.append({"scale": "mm", "side": 1, "size": 44, "grid": {"show": False}})
+            axes.append({**upright, "scale": "mm", "side": 1, "grid": {"show": False}})
         return server.gui.add_uplot(
             self.data(), tuple(series), height=170, axes=tuple(axes),
             title="error of a segment, of the tip" if self._known else "bend of the whole joint",
