@@ -93,11 +93,7 @@ class RecordedFit:
 
     def errors(self) -> list[ErrorRow]:
         """Rows of every recording, in the order of the joint file; of real counts with noise."""
-        return [
-            self._row(i, noise)
-            for i, reference in enumerate(self.whole.found.references)
-            for noise in ((True,) if reference.lengths is not None else (False, True))
-        ]
+        return [row for i in range(len(self.whole.found.references)) for row in self._rows(i)]
 
     def judged(self, number: int, noise: bool, choice: Choice | None = None) -> Pooled:
         """Errors on one recording.
@@ -122,16 +118,24 @@ class RecordedFit:
         ]
         return [part for part in parts if part.rows.any()]
 
-    def _row(self, number: int, noise: bool) -> ErrorRow:
-        truth, found = self.whole.found.references[number], self.judged(number, noise)
-        _check(truth, found)
-        stations = None
-        if not truth.dense:
-            estimate = np.full(truth.state.shape, np.nan)
-            for part, one in zip(self._parts(number), found.parts, strict=True):
-                estimate[part.rows] = one.estimate
-            stations = truth.stations(estimate)
-        return errors_of(truth.name, found, noise, True, stations)
+    def _rows(self, number: int) -> list[ErrorRow]:
+        truth = self.whole.found.references[number]
+        noises = (True,) if truth.lengths is not None else (False, True)
+        judged = [self.judged(number, noise) for noise in noises]
+        _check(truth, judged[0])
+        # Noise that is added to simulated readings spreads estimates, it does not move them.
+        stations = None if truth.dense else truth.stations(self._estimate(number, judged[0]))
+        return [
+            errors_of(truth.name, found, noise, True, stations)
+            for noise, found in zip(noises, judged, strict=True)
+        ]
+
+    def _estimate(self, number: int, found: Pooled) -> Floats:
+        """Estimates of all rows of a recording, NaN where there is none, shape (N, 2m + S)."""
+        estimate = np.full(self.whole.found.references[number].state.shape, np.nan)
+        for part, one in zip(self._parts(number), found.parts, strict=True):
+            estimate[part.rows] = one.estimate
+        return estimate
 
 
 @dataclass(frozen=True, eq=False)
