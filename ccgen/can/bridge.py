@@ -176,14 +176,16 @@ class Summary:
         answered: of which all angles and the tip came back.
         rate_hz: answered snapshots a second.
         lost_frames, corrupted, unexpected: as of `Exchange`.
-        mismatches: angles that differ from the integer reference model.
+        mismatches: angles that differ from the integer reference model; 0 with another zero.
         faults: names of the faults that the node reported.
         error_percent_rom: per axis, over the answered snapshots with an estimate of it; None
             without any, or without true shapes.
-        degraded_snapshots: answered ones in which some axis is degraded or lost.
+        degraded_snapshots: answered ones in which some axis is degraded or lost; as mismatches.
         missing, suspected: names of the sensors that the node ever reported so.
         gone: as of `Exchange`.
         stranger: what tells that the node is of another model; empty where it is not.
+        other_zero: "captured" or "restored" where the node did not work with the zero of the model:
+            no frame tells that zero, so that its answers cannot be held against the model.
         injected: faults that were put into the counts.
         left_out_before: names of the sensors that the node's checks had left out before the first
             snapshot, by its answers; the reference model starts so too.
@@ -205,6 +207,7 @@ class Summary:
     suspected: tuple[str, ...] = ()
     gone: str = ""
     stranger: str = ""
+    other_zero: str = ""
     injected: tuple[str, ...] = ()
     left_out_before: tuple[str, ...] = ()
 
@@ -212,8 +215,8 @@ class Summary:
     def passed(self) -> bool:
         """Whether every frame came and every angle is the reference model's."""
         whole = self.answered > 0 and self.lost_frames == 0
-        complete = whole and not self.gone and not self.stranger
-        return complete and self.mismatches == 0
+        known = not self.gone and not self.stranger and not self.other_zero
+        return whole and known and self.mismatches == 0
 
     def record(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -263,8 +266,9 @@ def _summary(
     stream: Stream, transport: str, result: Exchange, layout: FrameLayout, own: int
 ) -> Summary:
     answered = result.complete
-    followed, before = followed_by(stream.guarded, stream.counts, result.angles, answered)
-    wanted = followed.values[answered]
+    compared = np.zeros_like(answered) if result.other_zero else answered
+    followed, before = followed_by(stream.guarded, stream.counts, result.angles, compared)
+    wanted = followed.values[compared]
     missing = reduce(or_, (status.missing_sensors for status in result.statuses), 0)
     suspected = reduce(or_, (health.suspected_sensors for health in result.healths), 0)
     return Summary(
@@ -276,14 +280,15 @@ def _summary(
         lost_frames=result.lost_frames,
         corrupted=result.corrupted,
         unexpected=result.unexpected,
-        mismatches=int(np.count_nonzero(result.angles[answered] != wanted)),
+        mismatches=int(np.count_nonzero(result.angles[compared] != wanted)),
         faults=tuple(name for bit, name in enumerate(FAULTS) if result.faults >> bit & 1),
-        error_percent_rom=_errors(stream, result) if answered.any() and stream.shapes else None,
-        degraded_snapshots=int(np.count_nonzero(followed.states[answered].any(axis=1))),
+        error_percent_rom=_errors(stream, result) if compared.any() and stream.shapes else None,
+        degraded_snapshots=int(np.count_nonzero(followed.states[compared].any(axis=1))),
         missing=layout.sensors_in(missing),
         suspected=layout.sensors_in(suspected),
         gone=result.gone,
         stranger=result.stranger(own),
+        other_zero=result.other_zero,
         injected=stream.faults,
         left_out_before=tuple(stream.joint.sensors[j].name for j in before),
     )

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ccgen.can.answers import CountedStream, PendingAnswer
 from ccgen.can.codec import Codec, Health, Status, health_of, status_of
-from ccgen.can.layout import FrameLayout
+from ccgen.can.layout import ZERO_OF_THE_MODEL, ZERO_STATES, FrameLayout
 from ccgen.can.logs import Log, stamped
 from ccgen.can.transports import gone_because
 from ccgen.can.transports.slcan import BlockSlcanBus
@@ -127,6 +127,12 @@ class Exchange:
     def faults(self) -> int:
         """Every fault bit that some status reported."""
         return reduce(or_, (status.faults for status in self.statuses), 0)
+
+    @property
+    def other_zero(self) -> str:
+        """Whose zero the node said it works with, once it was not the model's; else empty."""
+        others = {health.zero for health in self.healths} - {ZERO_OF_THE_MODEL}
+        return ZERO_STATES[min(others)] if others else ""
 
     def stranger(self, fingerprint: int) -> str:
         """What tells that the node is not of the model with this fingerprint; else empty."""

@@ -58,6 +58,7 @@ AXIS_STATES = ("good", "degraded", "lost", "not estimated")
 
 ZERO_STATES = ("of the model", "captured", "restored")
 """Whose zeros the node estimates with, as HEALTH says it, from 0."""
+ZERO_OF_THE_MODEL = 0
 
 COMMANDS = {
     1: "capture the zero from the next snapshots",

@@ -17,14 +17,13 @@ import numpy as np
 
 from ccgen.can.codec import Codec, Decoded, Health, Refused, Status, health_of, status_of
 from ccgen.can.gathering import Fault, Gathered, Gatherer
-from ccgen.can.layout import FAULTS
+from ccgen.can.layout import FAULTS, ZERO_OF_THE_MODEL
 from ccgen.can.reference import Comparison
 from ccgen.can.seen import FrameStates, Seen, State
 from ccgen.errors import InputError
 from ccgen.fixedpoint.guarded import GuardedModel
 
 _ORDER = get_args(Fault)
-_OF_THE_MODEL = 0
 
 
 @dataclass(eq=False)
@@ -119,7 +118,7 @@ class Monitor:
     @property
     def zero_is_the_models(self) -> bool:
         """Whether the node works with the zeros of the model, as far as it has told."""
-        return self.health is None or self.health.zero == _OF_THE_MODEL
+        return self.health is None or self.health.zero == ZERO_OF_THE_MODEL
 
     @property
     def rate_hz(self) -> float:
@@ -273,7 +272,7 @@ class Monitor:
                 "it again"
             )
         self.health = health
-        if health.zero == _OF_THE_MODEL:
+        if health.zero == ZERO_OF_THE_MODEL:
             self._comparison.hold()
         else:
             self._comparison.forget()

@@ -248,7 +248,8 @@ def _print(summary: "Summary") -> None:
     table.add_row("snapshots", f"{summary.answered} of {summary.snapshots} answered")
     table.add_row("rate", f"{summary.rate_hz:.1f} a second")
     table.add_row("frames", f"{summary.lost_frames} lost, {summary.corrupted} damaged")
-    table.add_row("reference model", f"{summary.mismatches} angles differ")
+    held = "not compared" if summary.other_zero else f"{summary.mismatches} angles differ"
+    table.add_row("reference model", held)
     if summary.left_out_before:
         table.add_row("left out before", ", ".join(summary.left_out_before))
     if summary.injected:
@@ -273,6 +274,12 @@ def _failure(summary: "Summary") -> str:
         return (
             f"{summary.transport}: {summary.stranger}; name the folder that it was compiled from, "
             "or program it again"
+        )
+    if summary.other_zero:
+        return (
+            f"{summary.transport}: the node works with a zero that was {summary.other_zero}, which "
+            "no frame tells, so that its angles cannot be compared; send it back to the zero of "
+            "the model, or start it anew"
         )
     return (
         f"{summary.transport}: {summary.lost_frames} frames lost, "
