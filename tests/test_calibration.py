@@ -529,6 +529,29 @@ def test_the_command_writes_where_the_joint_file_says_and_reads_nothing_there(tm
     assert ccgen.load(file).sensors[0].metres_per_count == pytest.approx(STEP / 1.02, rel=0.01)
 
 
+@pytest.mark.parametrize(
+    ("place", "says"),
+    [
+        ("other.toml", 'is of joint "other", this one is "finger", and calibrate would write it'),
+        ("run.csv", "is what the joint is read from, and calibrate would write it anew"),
+        ("finger.toml", "is what the joint is read from, and calibrate would write it anew"),
+    ],
+)
+def test_the_command_takes_no_file_away_that_others_are_read_from(tmp_path, capsys, place, says):
+    record(tmp_path)
+    file = tmp_path / "finger.toml"
+    file.write_text(text(*RUN, top=f'calibration = "{place}"'))
+    (tmp_path / "other.toml").write_text('format = 1\njoint = "other"\nfingerprint = "ab"\n')
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    assert run("calibrate", str(file)) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert f"finger.toml: calibration: {place} {says}" in err
+    assert 'write another, such as calibration = "finger.calibration.toml"' in err
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
 def test_suspicious_sensors_are_warned_of(tmp_path, capsys):
     record(tmp_path, change=stand_still)
     file = tmp_path / "finger.toml"

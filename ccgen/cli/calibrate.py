@@ -31,14 +31,15 @@ def calibrate(
       ccgen calibrate finger.toml
     """
     from ccgen.calibration.calibrate import calibrate as found_by
-    from ccgen.joint.calibration_file import uncalibrated
+    from ccgen.joint.calibration_file import check_replaceable, uncalibrated
     from ccgen.joint.file import read_joint
 
     joint = read_joint(joint_file, uncalibrated)
-    with progress().status("following the recordings"):
-        found = found_by(joint)
     name = joint.calibration or f"{joint.name}.calibration.toml"
     path = joint_file.parent / name
+    check_replaceable(path, joint, joint_file)
+    with progress().status("following the recordings"):
+        found = found_by(joint)
     found.write(path)
     for line in found.notes:
         note(line)

@@ -12,6 +12,7 @@ from ccgen.joint import toml
 from ccgen.joint.calibration import Calibration, SensorCalibration
 from ccgen.joint.messages import first_problem
 from ccgen.joint.sensor_tables import MOST_SENSORS, Step
+from ccgen.joint.specification import Joint
 from ccgen.joint.table import Table
 
 FORMAT = 1
@@ -111,6 +112,35 @@ def parse_calibration(data: bytes, source: str) -> Calibration:
         delay_std=table.delay_std,
         recordings=tuple(table.recordings.items()),
     )
+
+
+def check_replaceable(path: Path, joint: Joint, joint_file: Path) -> None:
+    """Check that a joint's calibration may take the place of what lies there.
+
+    What was found before may go, whole or not; what others are read from may not.
+
+    Raises:
+        InputError: it is the calibration of another joint, the joint file, or a recording.
+    """
+    try:
+        before = toml.parse(toml.read(path, _KIND), str(path), _KIND) if path.is_file() else {}
+    except InputError:
+        before = {}
+    remedy = f'write another, such as calibration = "{joint.name}.calibration.toml"'
+    other = before.get("joint") if "fingerprint" in before else joint.name
+    if other != joint.name:
+        raise InputError(
+            f'{joint_file}: calibration: {path.name} is of joint "{other}", this one is '
+            f'"{joint.name}", and calibrate would write it anew; {remedy}'
+        )
+    read = [joint_file]
+    for one in joint.recordings:
+        read += [one.folder / name for name in (one.file, one.counts, one.dbc) if name]
+    if any(path.resolve() == place.resolve() for place in read):
+        raise InputError(
+            f"{joint_file}: calibration: {path.name} is what the joint is read from, and calibrate "
+            f"would write it anew; {remedy}"
+        )
 
 
 def calibration_text(calibration: Calibration) -> str:
