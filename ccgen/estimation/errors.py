@@ -81,6 +81,10 @@ class Missed:
         deviation: of each normalised reading, shape (N, n); zeros leave the noise out.
         rounding: root mean square of what fixed point adds to a value of an axis.
         covariance: of the true states, shape (N, 2m + S, 2m + S); None where they are known.
+        place: true places of the tip, shape (N, 3), metres; None where the states tell them. A
+            joint that twists bears its tip elsewhere.
+        place_spread: standard deviation of the distance from there, shape (N,), metres; None where
+            the covariance tells it.
     """
 
     joint: "Joint"
@@ -90,6 +94,8 @@ class Missed:
     deviation: Floats
     rounding: Mapping[str, float]
     covariance: Floats | None = None
+    place: Floats | None = None
+    place_spread: Floats | None = None
 
     def truth(self, axis: str) -> Floats:
         """True values of an axis, shape (N, m or S)."""
@@ -122,12 +128,15 @@ class Missed:
     def tip(self) -> tuple[Floats, Floats]:
         """Distance of the estimated tip without noise, and what noise adds, shape (N,), metres."""
         at = tips(self.joint, self.estimate)
-        known = np.linalg.norm(at - tips(self.joint, self.state), axis=-1)
+        true = tips(self.joint, self.state) if self.place is None else self.place
+        known = np.linalg.norm(at - true, axis=-1)
         variance = np.zeros(len(self.state))
         if self.deviation.any():
             per_reading = tip_changes(self.joint, self.estimate) @ self._gain
             variance += np.einsum("ncj,nj->n", np.square(per_reading), self._squares)
-        if self.covariance is not None:
+        if self.place_spread is not None:
+            variance += np.square(self.place_spread)
+        elif self.covariance is not None:
             slope = tip_changes(self.joint, self.state)
             variance += np.einsum("nca,nab,ncb->n", slope, self.covariance, slope, optimize=True)
         return known, np.sqrt(variance)

@@ -165,15 +165,28 @@ class _Part:
         shapes = found.shapes(truth, self.rows)
         covariance = None if truth.covariance is None else truth.covariance[self.rows]
         readings = found.readings(found.references[self.number])
+        place = spread = None
+        if truth.sighting is not None:
+            place, spread = (whole[self.rows] for whole in truth.sighting.tips)
         if readings is not None:
             read, deviation = readings[self.rows], np.zeros((len(shapes), len(joint.sensors)))
         else:
             read = ideal_readings(joint, shapes)
             deviation = deviations(joint, shapes.state) if noise else np.zeros_like(read)
-            covariance = _as_seen(joint, weights, covariance)
+            covariance, spread = _as_seen(joint, weights, covariance), None
         estimate = estimated(joint, weights, read)
         added = rounding if noise else {}
-        return Missed(joint, weights, shapes.state, estimate, deviation, added, covariance)
+        return Missed(
+            joint,
+            weights,
+            shapes.state,
+            estimate,
+            deviation,
+            added,
+            covariance,
+            place,
+            spread,
+        )
 
 
 def _as_seen(joint: "Joint", weights: AxisWeights, covariance: Floats | None) -> Floats | None:

@@ -46,10 +46,6 @@ _MANY = 8
 """Bodies that tell how smooth a shape is."""
 _ROWS = 250
 """Whose shapes are sought at once."""
-_BETWEEN = 0.3
-"""Share of the doubt about what was learned that counts for bends between bodies: they tell most of
-those themselves, and to first order the doubt would make them two to three times as uncertain as
-they are."""
 _FRAME_ROWS = 400
 """From which a frame is found."""
 
@@ -71,10 +67,11 @@ def body_references(
             recordings to score with are theirs.
         report: told of the progress.
     """
-    cut = fine(joint.geometry)
+    rough = _rough(recordings)
+    cut = fine(joint.geometry, rough or _directed(recordings))
     sensors = recorded_sensors(joint)
     sensors = replace(sensors, matrix=sensors.matrix @ cut.gather)
-    models = joint_models(cut.geometry, joint.loads, _rough(recordings))
+    models = joint_models(cut.geometry, joint.loads, rough)
     telling: dict[int, Part] = {}
     steps = 2 * len(recordings) + 1
     for i, recording in enumerate(recordings):
@@ -114,6 +111,13 @@ def _rough(recordings: Sequence[Recording]) -> bool:
     """Whether shapes may be rough: with many bodies, or with no readings that show it otherwise."""
     bodies = [sum(body.station is not None for body in r.bodies) for r in recordings]
     return max(bodies, default=0) >= _MANY or all(r.counts is None for r in recordings)
+
+
+def _directed(recordings: Sequence[Recording]) -> bool:
+    """Whether bodies beyond the base show which way the joint points."""
+    return any(
+        body.orientation is not None and body.station for r in recordings for body in r.bodies
+    )
 
 
 def _part(
@@ -190,7 +194,7 @@ def _read(
 
 
 def _nothing_learned(model: Model) -> Parameters:
-    sizes, compliances = np.zeros(model.sizes), np.zeros(len(model.compliance_std))
+    sizes, compliances = np.zeros(model.sizes), np.zeros(model.compliances)
     return Parameters(compliances, sizes, np.zeros(0), np.zeros((1, 0)))
 
 
@@ -261,7 +265,7 @@ def _reference(
             part.frame,
             part.state,
             posterior.state,
-            posterior.with_doubt(_BETWEEN),
+            posterior.with_doubt(),
             cut.coarse,
         ),
         learned=shared.learned,

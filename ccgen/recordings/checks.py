@@ -222,7 +222,7 @@ def _check_ratio(source: str, what: str, distance: float, expected: float) -> No
 
 
 def usable_counts(
-    source: str, counts: Floats, sensors: RecordedSensors
+    source: str, counts: Floats, sensors: RecordedSensors, bends: bool
 ) -> tuple[Floats, tuple[str, ...]]:
     """Counts without those that stand at the end of their range, and what to say of them.
 
@@ -230,10 +230,12 @@ def usable_counts(
         source: the file.
         counts: shape (N, n).
         sensors: their ranges.
+        bends: whether the recording shows the joint bent; counts of the straight one alone may
+            all stand still.
 
     Raises:
         InputError: most counts of a sensor lie outside its range, no sensor has any, or none
-            changes.
+            changes though the joint bends.
     """
     there = ~np.isnan(counts)
     if not there.any():
@@ -255,10 +257,10 @@ def usable_counts(
             notes.append(
                 f"{source}: sensor {name}: {int(ends[:, j].sum())} counts at the end of their range"
             )
-        elif _still(counts[:, j]):
+        elif bends and _still(counts[:, j]):
             still.append(name)
             notes.append(f"{source}: sensor {name} reads {counts[there[:, j], j][0]:g} throughout")
-    if len(still) == int(there.any(axis=0).sum()):
+    if bends and len(still) == int(there.any(axis=0).sum()):
         raise InputError(
             f"{source}: no count ever changes in it; record the counts while the joint bends, or "
             "leave out the columns count_..."

@@ -1,7 +1,9 @@
 """A joint of few segments cut finer, so that curvature may change within a segment.
 
-Bodies on a joint of two segments lie off any two arcs of a circle by more than cameras miss them;
-on ten they do not. A segment's angles are the sums over its pieces, which is what sensors read.
+Bodies on a joint of two segments lie off any two arcs of a circle by more than cameras miss them.
+On a joint of twelve they lie off by little, but alike in every row: a fitting that ends within a
+segment moves all that lies beyond, which few bodies would take for compliance elsewhere. A
+segment's angles are the sums over its pieces, which is what sensors read.
 """
 
 from dataclasses import dataclass, replace
@@ -13,9 +15,9 @@ from ccgen.joint.specification import Geometry
 
 Floats = NDArray[np.float64]
 
-_ENOUGH = 6
-"""Segments of a joint that is not cut finer."""
-_WANTED = 10
+_ENOUGH, _ENOUGH_SEEN = 20, 10
+"""Pieces of a joint that is cut finer: where few places are seen, and where directions are too, or
+as many places as let segments bend as they like: then nothing is taken for something else."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,10 +45,15 @@ class Fine:
         return whole
 
 
-def fine(geometry: Geometry) -> Fine:
-    """Cut a joint's segments finer where there are few."""
+def fine(geometry: Geometry, well_seen: bool) -> Fine:
+    """Cut a joint's segments finer where there are few.
+
+    Args:
+        geometry: of the joint.
+        well_seen: whether directions of the joint are seen, or many places.
+    """
     m = geometry.segments
-    pieces = 1 if m >= _ENOUGH else -(-_WANTED // m)
+    pieces = max(1, -(-(_ENOUGH_SEEN if well_seen else _ENOUGH) // m))
     return Fine(
         geometry,
         replace(

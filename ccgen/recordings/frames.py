@@ -119,6 +119,11 @@ def sighted(recording: Recording, geometry: Geometry) -> tuple[Sights, Frame, Sp
     rotation = np.swapaxes(base.axes, -1, -2)[:, None] @ rotation
     file = recording.file
     own = file.position_noise or min(jitter(position), _JITTER * geometry.length)
+    missed = _model_error(geometry)
+    least = (
+        float(np.hypot(own, missed * geometry.segment_length)),
+        float(np.hypot(file.orientation_noise or 0.0, missed)),
+    )
     sights = Sights(
         names=tuple(b.name for b in bodies),
         at=at,
@@ -126,17 +131,18 @@ def sighted(recording: Recording, geometry: Geometry) -> tuple[Sights, Frame, Sp
         where=places(at - base.start, bending.sections, bending.segment_length),
         position=position,
         rotation=rotation,
-        position_noise=float(np.hypot(own, _model_error(geometry) * geometry.segment_length)),
-        orientation_noise=float(np.hypot(file.orientation_noise or 0.0, _model_error(geometry))),
+        position_noise=least[0],
+        orientation_noise=least[1],
         stated_noise=(own, file.orientation_noise or 0.0),
+        least_noise=least,
         axes=np.array(_rows(base.axes, position)),
         origin=np.broadcast_to(base.origin, (len(position), 3)).copy(),
     )
     if file.straight is None:
         spread = _unsettled(sights, base.kind, geometry.length)
         if not spread.certain and file.position_noise is None:
-            least = _UNSETTLED * geometry.length
-            sights = replace(sights, position_noise=max(sights.position_noise, least))
+            rough = max(least[0], _UNSETTLED * geometry.length)
+            sights = replace(sights, position_noise=rough, least_noise=(rough, least[1]))
         return sights, _guessed(sights, base.start), spread
     rows = recording.within(file.straight)
     check_rest(

@@ -34,8 +34,10 @@ _FARTHEST = 6.0
 _NOWHERE = 1e30
 _FREEDOM = 4.0
 """Degrees of freedom of Student's distribution: outliers of more than two deviations count less."""
-_NORMAL = 0.8310
-"""Scale of Student's distribution that fits normal noise of standard deviation 1."""
+_CLIPPED, _CLIPPED_MEAN = 2.5, 0.9775
+"""Standard deviations beyond which a reading's square says no more of the noise, and the mean of
+such squares where noise is normal (Huber, "Robust statistics", 1981, section 5.2). That of play,
+which is bounded, is told as well."""
 _NOISE_TURNS = 4
 """Times that trust and noise follow each other after each round."""
 _SETTLING, _SETTLING_ANEW = (4, 2, 2), (2, 1)
@@ -297,6 +299,6 @@ def _noise(seen: Lengths, at: Parameters, posterior: Posterior, noise: Floats) -
         "ja,nab,jb->nj", seen.matrix, posterior.covariance, seen.matrix, optimize=True
     )
     there = np.maximum((~np.isnan(seen.length)).sum(axis=0), 1)
-    trust = _trust(seen, at, posterior.state, noise * _NORMAL)
-    mean = (trust * (np.square(residual) + variance)).sum(axis=0) / there
-    return np.asarray(np.maximum(np.sqrt(mean) / _NORMAL, LEAST_NOISE))
+    square = (np.square(residual) + variance) * ~np.isnan(seen.length)
+    mean = np.minimum(square, np.square(_CLIPPED * noise)).sum(axis=0) / (there * _CLIPPED_MEAN)
+    return np.asarray(np.maximum(np.sqrt(mean), LEAST_NOISE))

@@ -30,8 +30,11 @@ _MODES = 5
 _END = 1 / 6
 """Share of the joint's length that a fitting may take at either end."""
 _END_SPREAD = 0.8
-_SPREAD = 0.15
-"""Standard deviations of the logarithm of a segment's compliance, at the ends and between them."""
+"""Standard deviation of the logarithm of compliance that a fitting adds at the very end."""
+_SMOOTH, _REACH = 0.3, 0.3
+"""The same of compliance that changes along the whole joint, and over what share of its length."""
+_SPREAD = 0.05
+"""The same of one segment against its neighbours, which are made alike."""
 _USUAL = 0.4
 """Root mean square of a segment's bend, share of the range of motion."""
 _TWIST = 0.05
@@ -52,7 +55,7 @@ class Model:
     Attributes:
         basis: states for unit coordinates at unit compliance and size, shape (p, k).
         compliance: number of the compliance that multiplies each state, -1 for none; shape (p,).
-        compliance_std: of their logarithms about 0, shape (c,).
+        compliance_root: R of the covariance R R' of their logarithms about 0, shape (c, c).
         expected: logarithm of the compliance that the basis holds, shape (c,).
         size: number of the size that multiplies each coordinate, -1 for none; shape (k,).
         sizes: number of sizes.
@@ -60,10 +63,15 @@ class Model:
 
     basis: Floats
     compliance: Indices
-    compliance_std: Floats
+    compliance_root: Floats
     expected: Floats
     size: Indices
     sizes: int
+
+    @property
+    def compliances(self) -> int:
+        """Their number."""
+        return len(self.compliance_root)
 
     def transform(self, log_compliance: Floats, log_size: Floats) -> Floats:
         """The map T with x = T w, shape (p, k)."""
@@ -115,14 +123,11 @@ def smooth_model(
     basis[m : 2 * m, k : 2 * k] = modes
     basis[2 * m : -1, 2 * k : -1] = np.eye(count)[:, :stretch] * abs(elongation) / np.sqrt(3.0)
     basis[-1, -1] = (_STIFF if rough else 1.0) * _TWIST * m * range_of_motion
-    spread = np.full(m, max(_SPREAD, tolerance))
-    ends = max(1, round(_END * m))
-    spread[:ends] = spread[m - ends :] = max(_END_SPREAD, tolerance)
     segments = np.arange(m)
     return Model(
         basis,
         np.concatenate([segments, segments, np.full(count + 1, -1)]),
-        spread,
+        np.asarray(np.linalg.cholesky(_compliance_covariance(m, tolerance)), dtype=np.float64),
         np.log(known),
         np.concatenate([number, number, np.full(stretch, sizes), [sizes + (stretch > 0)]]),
         sizes + (stretch > 0) + 1,
@@ -164,7 +169,7 @@ def fixed_model(covariance: Floats) -> Model:
     kept = values > values.max() * 1e-12
     basis = vectors[:, kept] * np.sqrt(values[kept])
     none = np.full(len(basis), -1)
-    return Model(basis, none, np.zeros(0), np.zeros(0), np.full(basis.shape[1], -1), 0)
+    return Model(basis, none, np.zeros((0, 0)), np.zeros(0), np.full(basis.shape[1], -1), 0)
 
 
 def free_model(states: Floats) -> Model:
@@ -178,7 +183,22 @@ def free_model(states: Floats) -> Model:
     basis = np.zeros((states.shape[1] + 1, len(seen)))
     basis[seen, np.arange(len(seen))] = size[seen]
     none = np.full(len(basis), -1)
-    return Model(basis, none, np.zeros(0), np.zeros(0), np.full(len(seen), -1), 0)
+    return Model(basis, none, np.zeros((0, 0)), np.zeros(0), np.full(len(seen), -1), 0)
+
+
+def _compliance_covariance(segments: int, tolerance: float) -> Floats:
+    """Of the logarithms of segments' compliance, shape (m, m).
+
+    Along the joint compliance changes smoothly; towards an end in steps that add up.
+    """
+    along = (np.arange(segments) + 0.5) / segments
+    apart = (along[:, None] - along) / _REACH
+    covariance = np.square(_SMOOTH) * np.exp(-np.square(apart) / 2)
+    covariance += np.square(max(_SPREAD, tolerance)) * np.eye(segments)
+    for distance in (along, 1.0 - along):
+        inside = np.maximum(0.0, 1.0 - distance / _END)
+        covariance += np.square(_END_SPREAD) * np.minimum(inside[:, None], inside)
+    return np.asarray(covariance)
 
 
 def _modes(sections: Sequence[int]) -> Floats:

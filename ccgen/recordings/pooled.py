@@ -1,8 +1,8 @@
 """What all rows of a joint's recordings share: compliance, sizes, gains, zeros, second moment.
 
 Rows of several recordings are learned from together (`ccgen.recordings.learning`); each has its own
-frame and zeros. Where no straight stretch fixes a frame, frames and what is shared are found in
-turn.
+frame and zeros. Where no straight stretch fixes a frame, or nobody stated the noise of bodies, that
+and what is shared are found in turn.
 """
 
 from collections.abc import Sequence
@@ -120,7 +120,7 @@ class Shared:
 
 def usual(model: Model) -> Floats:
     """The map of coordinates to states before anything is learned, shape (p, k)."""
-    return model.transform(np.zeros(len(model.compliance_std)), np.zeros(model.sizes))
+    return model.transform(np.zeros(model.compliances), np.zeros(model.sizes))
 
 
 def with_twist(matrix: Floats) -> Floats:
@@ -149,14 +149,16 @@ def pooled(
     if not parts:
         model = models[-1]
         T = usual(model)
-        compliances, sizes = np.zeros(len(model.compliance_std)), np.zeros(model.sizes)
+        compliances, sizes = np.zeros(model.compliances), np.zeros(model.sizes)
         nothing = Parameters(compliances, sizes, np.zeros(0), np.zeros((1, 0)))
         return Shared(model, nothing, None, T @ T.T), []
     own = list(parts)
     shared = _shared(joint, own, models, sensors, common, before)
-    if any(not part.spread.certain for part in own):
+    settled = all(part.spread.certain for part in own)
+    if not settled or (before is None and any(any(unstated(part.recording)) for part in own)):
         own = [_resettled(part, i, shared, sensors) for i, part in enumerate(own)]
-        shared = _shared(joint, own, models, sensors, common, before)
+        start = shared.learned if settled else before
+        shared = _shared(joint, own, models, sensors, common, start)
     return shared, own
 
 
@@ -292,9 +294,7 @@ def _zero(part: Part, rows: Indices, gain: Floats) -> tuple[Floats, Floats]:
 
 
 def _resettled(part: Part, group: int, shared: Shared, sensors: RecordedSensors) -> Part:
-    """A recording with its frame found anew, by what was learned and by its readings."""
-    if part.spread.certain:
-        return part
+    """A recording with its frame and noise found anew, by what was learned and by its readings."""
     rows = _some(part, _ROWS)
     known = None
     spread = part.spread

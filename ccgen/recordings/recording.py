@@ -217,10 +217,11 @@ def _with_counts(
 ) -> Recording:
     """Add the counts, from the table itself or from the file beside it."""
     file = recording.file
+    bends = recording.u is not None or recording.v is not None or bool(recording.bodies)
     if file.counts is None:
         if columns.counts is None:
             return recording
-        values, notes = checks.usable_counts(table.source, columns.counts, sensors)
+        values, notes = checks.usable_counts(table.source, columns.counts, sensors, bends)
         return replace(recording, counts=Counts(recording.t, values), notes=notes)
     if columns.counts is not None:
         raise InputError(
@@ -233,7 +234,7 @@ def _with_counts(
             "it; add the times in seconds"
         )
     counts, hashes, logged = _separate_counts(file, sensors, expected)
-    values, notes = checks.usable_counts(str(file.path(file.counts)), counts.values, sensors)
+    values, notes = checks.usable_counts(str(file.path(file.counts)), counts.values, sensors, bends)
     return replace(
         recording,
         counts=Counts(counts.t, values),

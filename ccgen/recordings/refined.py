@@ -42,13 +42,13 @@ def refined(
         transform: T, shape (p, k).
         share: of the rows that count, for those that follow each other tell the same.
         known: what else is known of the rows' states, as from sensors.
-        noisy: whether to find the noise of positions too, and of orientations; no less than it is.
+        noisy: whether to find the noise of positions too, and of orientations.
     """
     std = _flat(spread)
     free = np.flatnonzero(std > 0)
     states = np.zeros((len(sights), len(transform)))
     moved = np.zeros(len(std))
-    least = np.array([sights.position_noise, sights.orientation_noise])
+    least = np.array(sights.least_noise)
     for turn in range(_TURNS):
         nearness = FAR if turn < _FAR_TURNS else CLOSER if turn == _FAR_TURNS else NEAR
         at = linearised(replace(sights, nearness=nearness), frame, states)

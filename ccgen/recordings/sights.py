@@ -47,6 +47,7 @@ class Sights:
         position_noise: one standard deviation of a coordinate from the chain, metres.
         orientation_noise: one standard deviation of a direction about an axis, radians.
         stated_noise: both as stated, or as rows jump about: without what a chain misses.
+        least_noise: both, no less than which they are found to be: with what a chain misses.
         axes: of the base as first seen, in the recording's frame, shape (N, 3, 3).
         origin: of the base as first seen, in the recording's frame, shape (N, 3), metres.
         nearness: how well shapes are known: hardly (`FAR`), so that what most bodies of a row are
@@ -62,6 +63,7 @@ class Sights:
     position_noise: float
     orientation_noise: float
     stated_noise: tuple[float, float]
+    least_noise: tuple[float, float]
     axes: Floats
     origin: Floats
     nearness: int = NEAR

@@ -8,6 +8,7 @@ from the same readings, so its variance is added.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +20,8 @@ from ccgen.recordings.sights import Frame, Sights, tangents
 
 Floats = NDArray[np.float64]
 
+_ROWS = 1000
+"""Whose places are found at once."""
 _OUTLIER = 10.0
 """Standard deviations: bodies farther from the most probable shape are errors of the reference."""
 
@@ -29,7 +32,8 @@ class StationErrors:
 
     Attributes:
         position_rms_m: distance from where the body was seen.
-        bend_rms_deg: by axis "u" and "v", bend from the station before, or from the base.
+        bend_rms_deg: by axis "u" and "v", bend from the station before, or from the base, about
+            the axes of the joint as its sensors have them.
         arc_length_rms_m: length of the joint from its base to the station.
     """
 
@@ -75,6 +79,24 @@ class Sighting:
         base = self.sights.origin[:, None]
         return np.asarray(near @ np.swapaxes(self.sights.axes, -1, -2) + base)
 
+    @cached_property
+    def tips(self) -> tuple[Floats, Floats]:
+        """Where the tip was in the joint's frame, twist included, and how surely.
+
+        Returns:
+            Places, shape (N, 3), and standard deviations of the distance from them, shape (N,),
+            metres.
+        """
+        start, where = self.sights.start, self.sights.where
+        end = places([where.length * sum(where.sections)], where.sections, where.length)
+        place, variance = [], []
+        for i in range(0, len(self.state), _ROWS):
+            seen = seen_from_base(self.state[i : i + _ROWS], end)
+            J, P = seen.linear[:, 0], self.covariance[i : i + _ROWS]
+            place.append(seen.position[:, 0] + [0.0, 0.0, start])
+            variance.append(np.einsum("nca,nab,ncb->n", J, P, J, optimize=True))
+        return np.concatenate(place), np.sqrt(np.concatenate(variance))
+
     def errors(self, estimate: Floats) -> dict[str, StationErrors]:
         """Errors of an estimate at each station, by the body's name.
 
@@ -98,7 +120,7 @@ class Sighting:
         return {
             self.sights.names[b]: StationErrors(
                 self._position(b, rows, told.place[:, b], best.place[:, b]),
-                self._bend(b, order[i - 1] if i else None, rows, told, best),
+                self._bend(b, order[i - 1] if i else None, rows, states, where, told, best),
                 self._length(b, rows, states, where),
             )
             for i, b in enumerate(order)
@@ -116,34 +138,28 @@ class Sighting:
         b: int,
         before: "int | None",
         rows: NDArray[np.intp],
+        states: Floats,
+        where: Places,
         told: "_Poses",
         best: "_Poses",
     ) -> dict[str, float]:
-        own = _between(told.tangent, b, before)
         noise = self.sights.stated_noise[1]
-        known = _between(tangents(self.sights.rows(rows), self.frame), b, before)
+        seen = tangents(self.sights.rows(rows), self.frame)
+        known = _between(best.rotation, seen, b, before)
         if not np.isnan(known).all():
+            own = _between(told.rotation, told.rotation[..., 2], b, before)
             extra = np.full(2, -(noise**2) * (1 if before is None else 2))
         else:
-            known = _between(best.tangent, b, before)
-            extra = self._open(b, before, rows)
+            along = _bends(self.sights.where, b, before, self.state.shape[1])
+            own = states @ _bends(where, b, before, states.shape[1])
+            known = self.state[rows] @ along
+            left = np.einsum("pa,npq,qa->a", along, self.covariance[rows], along, optimize=True)
+            extra = left / len(rows)
         square = np.square(own - known)
         return {
             axis: float(np.degrees(_root(square[:, k], float(extra[k]))))
             for k, axis in enumerate("uv")
         }
-
-    def _open(self, b: int, before: "int | None", rows: NDArray[np.intp]) -> Floats:
-        """Mean variance of the bends u and v between stations in the most probable shapes."""
-        where = self.sights.where
-        m = sum(where.sections)
-        along = np.zeros((2, self.state.shape[1]))
-        first = 0 if before is None else where.end[before]
-        pieces = slice(first, where.end[b])
-        for axis in (0, 1):
-            np.add.at(along[axis], axis * m + where.segment[pieces], where.share[pieces])
-        left = np.einsum("ap,npq,aq->a", along, self.covariance[rows], along, optimize=True)
-        return np.asarray(left / len(rows))
 
     def _length(self, b: int, rows: NDArray[np.intp], states: Floats, where: Places) -> float:
         own = _along(self.sights.where, b, self.state.shape[1])
@@ -161,33 +177,50 @@ def _along(where: Places, b: int, states: int) -> Floats:
     return along
 
 
+def _bends(where: Places, b: int, before: "int | None", states: int) -> Floats:
+    """What sums a state's u and v from one station, or the base, to another, shape (p, 2)."""
+    m = sum(where.sections)
+    pieces = slice(0 if before is None else where.end[before], where.end[b])
+    along = np.zeros((states, 2))
+    for axis in (0, 1):
+        np.add.at(along[:, axis], axis * m + where.segment[pieces], where.share[pieces])
+    return along
+
+
 @dataclass(frozen=True, eq=False)
 class _Poses:
     """Where bodies are and how stations lie for N states."""
 
     place: Floats  # (N, B, 3), near the base frame
-    tangent: Floats  # (N, B, 3), in the joint's
+    rotation: Floats  # (N, B, 3, 3), in the joint's
 
     @classmethod
     def of(cls, states: Floats, where: Places, frame: Frame) -> "_Poses":
         seen = seen_from_base(states, where)
         offset = (seen.rotation @ frame.offset[..., None])[..., 0]
         place = (seen.position + offset) @ frame.rotation.T + frame.origin
-        return cls(place, seen.rotation[..., 2])
+        return cls(place, seen.rotation)
 
 
-def _between(tangent: Floats, b: int, before: "int | None") -> Floats:
+def _between(rotation: Floats, tangent: Floats, b: int, before: "int | None") -> Floats:
     """Bends u and v from one station, or the base, to another, shape (N, 2); NaN where unknown.
 
-    The shortest rotation from one direction of the joint to the other, in a frame without twist.
+    About the axes of the joint where it begins, which its twist turns as it turns its sensors.
+
+    Args:
+        rotation: of the joint at its stations, shape (N, B, 3, 3).
+        tangent: its directions there, as seen, shape (N, B, 3).
+        b: number of the station.
+        before: that of the one before it.
     """
     axis = np.array([0.0, 0.0, 1.0])
-    start = axis if before is None else tangent[:, before]
-    there = ~np.isnan(tangent[:, b] + start).any(axis=1)
     found = np.full((len(tangent), 2), np.nan)
+    there = ~np.isnan(tangent[:, b] + (0.0 if before is None else tangent[:, before])).any(axis=1)
     end = tangent[there, b]
     if before is not None:
-        end = (np.swapaxes(without_twist(axis, start[there]), -1, -2) @ end[..., None])[..., 0]
+        own = rotation[there, before]
+        turned = without_twist(own[..., 2], tangent[there, before]) @ own
+        end = (np.swapaxes(turned, -1, -2) @ end[..., None])[..., 0]
     found[there] = logarithm(without_twist(axis, end))[:, :2]
     return found
 
