@@ -75,6 +75,18 @@ def test_a_recording_of_markers_tells_its_stations(counted):
     assert any("hold the most probable shapes for true" in said for said in fitted.warnings)
 
 
+def test_the_tip_of_a_joint_that_twists_is_told_where_it_is(tmp_path):
+    written(tmp_path, rows=240, twist=0.2)
+    (row,) = (
+        row
+        for row in ccgen.fit(read(tmp_path, "noise-aware")).errors
+        if row.source == "recording:run.csv"
+    )
+    measured = row.stations["tip"].position_rms_m
+    assert measured > 2e-3
+    assert row.tip_rms_m == pytest.approx(measured, rel=0.1)
+
+
 def test_gains_from_markers_and_counts_go_into_the_exported_weights(counted):
     _, fitted = counted
     reference = fitted.found.references[0]

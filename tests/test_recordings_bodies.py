@@ -43,11 +43,12 @@ def bends(t):
 
 
 def written(folder, name="run.csv", rows=500, seed=0, noise=2e-4, counts=True, turn=None,
-            delay=0.0, change=None):  # fmt: skip
+            delay=0.0, twist=0.0, change=None):  # fmt: skip
     """Write a recording of which everything is known, bodies turned by a constant rotation."""
     random = np.random.default_rng(seed)
     t = np.arange(rows) * RATE
-    state = np.concatenate([bends(t), np.zeros((rows, 2))], axis=1)
+    turned = twist * np.sin(0.7 * np.clip(t - 2.0, 0.0, None))
+    state = np.concatenate([bends(t), np.zeros((rows, 1)), turned[:, None]], axis=1)
     columns = {"t": t}
     if counts:
         H = response(joint(folder=folder))[:, : 2 * M]
@@ -195,6 +196,28 @@ def test_errors_at_stations_are_those_of_the_estimate(usual):
     assert off["tip"].position_rms_m == pytest.approx(np.radians(2) * 0.21, rel=0.15)
     wrong[:] = np.nan
     assert np.isnan(it.stations(wrong)["tip"].position_rms_m)
+
+
+def test_a_joint_that_twists_has_its_tip_where_the_camera_sees_it(tmp_path):
+    state = written(tmp_path, twist=0.2)
+    (it,) = made(tmp_path)
+    turned = 0.2 * np.sin(0.7 * np.clip(it.t - 2.0, 0.0, None))
+    end = places([LENGTH], (M,), LENGTH / M)
+    true, straight = (
+        seen_from_base(np.column_stack([state, twist]), end).position[:, 0]
+        for twist in (turned, 0 * turned)
+    )
+    place, spread = it.sighting.tips
+    off = np.linalg.norm(place - true, axis=1)
+    assert np.sqrt(np.mean(off**2)) < 3e-4
+    assert np.sqrt(np.mean(np.sum((straight - true) ** 2, axis=1))) > 2e-3
+    assert 0.4 < np.sqrt(np.mean(off**2) / np.mean(spread**2)) < 2.0
+    right = it.stations(state)
+    assert right["tip"].position_rms_m == pytest.approx(
+        np.sqrt(np.mean(np.sum((straight - true) ** 2, axis=1))), rel=0.1
+    )
+    # Sensors twist with the joint: bends between stations are right all the same.
+    assert max(max(one.bend_rms_deg.values()) for one in right.values()) < 0.7
 
 
 def test_a_block_that_is_held_out_teaches_nothing_and_still_has_its_states(tmp_path):

@@ -181,8 +181,7 @@ def _shared(
         )
     moment = sections_apart(learned.second_moment, sections)
     if len(sections) == 1:
-        soft = model.expected + learned.found.log_compliance
-        compliance = np.stack([soft, learned.spread.log_compliance])
+        compliance = _compliance(learned)
         known = compliance if compliance.size else None
         told = learned.covariance
         return Shared(model, learned.found, calibration, moment, known, learned, told)
@@ -191,6 +190,19 @@ def _shared(
     free = fixed_model(sections_apart(T @ T.T, sections))
     found = replace(learned.found, log_compliance=np.zeros(0), log_size=np.zeros(0))
     return Shared(free, found, calibration, moment, learned=learned)
+
+
+def _compliance(learned: Learned) -> Floats:
+    """Logarithms of compliance, and standard deviations of their differences from the mean one.
+
+    How soft the whole joint is, no shapes tell; it does not count. Shape (2, c).
+    """
+    soft = learned.model.expected + learned.found.log_compliance
+    c = len(soft)
+    stiff = np.exp(-soft)
+    apart = np.eye(c) - stiff / max(stiff.sum(), np.finfo(float).tiny)
+    own = learned.covariance[:c, :c]
+    return np.stack([soft, np.sqrt(np.einsum("ij,jk,ik->i", apart, own, apart))])
 
 
 def sections_apart(moment: Floats, sections: Sequence[int]) -> Floats:
