@@ -42,6 +42,9 @@ _NOISE_TURNS = 4
 """Times that trust and noise follow each other after each round."""
 _SETTLING, _SETTLING_ANEW = (4, 2, 2), (2, 1)
 """Times that shapes and trust follow each other before each round, and where most is known."""
+_STRONG = 3.0
+"""Logarithm of how many times more probable a model must make the rows than the first one does
+(strong evidence; Kass and Raftery, "Bayes factors", JASA 90, 1995)."""
 _PRIOR_ROWS = 2.0
 """Independent rows for which uncorrelated modes count in the second moment."""
 LEAST_NOISE = 1e-7
@@ -150,7 +153,7 @@ def most_probable(
     """What rows have in common, by whichever model makes them the most probable.
 
     Models are held against each other where the first one has references linearised and noise
-    found: arguments as of `learn`.
+    found; another is taken where the rows speak for it strongly. Arguments as of `learn`.
     """
     learned = learn(sight, models[0], seen, independent, start)
     if len(models) == 1:
@@ -168,7 +171,9 @@ def most_probable(
         theta = _descended(likelihood, theta, curvature, _STEPS, _FLAT)
         improbable.append(likelihood.improbability(theta))
     best = int(np.argmin(improbable))
-    return learn(sight, models[best], seen, independent, state) if best else learned
+    if improbable[0] - improbable[best] < _STRONG:
+        return learned
+    return learn(sight, models[best], seen, independent, state)
 
 
 def shapes(
