@@ -24,9 +24,6 @@ Indices = NDArray[np.intp]
 
 SIZE_STD = 2.0
 """Standard deviation of the logarithm of a size."""
-_DOUBT = 0.5
-"""Share of the doubt that adds to the covariance of shapes: the first order lets go what bodies and
-readings hold, which made simulated joints seem one and a half times as uncertain as they were."""
 _CURVED = 100
 """Rows that tell how sharply the likelihood falls off."""
 _STEP = 1e-3
@@ -97,9 +94,9 @@ class Posterior:
     covariance: Floats
     doubt: Floats | None = None
 
-    def with_doubt(self) -> Floats:
-        """Covariance with what the doubt adds in truth, shape (N, p, p)."""
-        return self.covariance if self.doubt is None else self.covariance + _DOUBT * self.doubt
+    def with_doubt(self, share: float) -> Floats:
+        """Covariance and a share of the doubt, shape (N, p, p)."""
+        return self.covariance if self.doubt is None else self.covariance + share * self.doubt
 
 
 @dataclass(frozen=True, eq=False)
