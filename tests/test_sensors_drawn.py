@@ -153,3 +153,18 @@ def test_logarithmic_axes_have_numbers_without_powers():
     plain_numbers(axes.yaxis)
     told = axes.yaxis.get_major_formatter().format_ticks([0.001, 0.01, 100.0, 1000.0])
     assert told == ["0.001", "0.01", "100", "1000"]
+
+
+@pytest.mark.parametrize("name", ["s", "string_", "a_string_of_many"])
+def test_the_legend_of_strings_stays_within_the_picture(name):
+    from ccgen.figures.strings import strings_figure
+
+    text = ROUND
+    for i in range(9, -1, -1):
+        text = text.replace(f'"s{i}"', f'"{name}{i}"')
+    figure = strings_figure(ccgen.parse(text))
+    figure.draw_without_rendering()
+    (legend,) = figure.legends
+    box = legend.get_window_extent()
+    assert box.x0 >= 0
+    assert box.x1 <= figure.bbox.x1

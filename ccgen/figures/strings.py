@@ -19,6 +19,9 @@ _BEND = np.radians(70.0)
 _NARROWEST_BOX = 0.3
 """Of the joint's length."""
 
+_ENTRIES, _ENTRY = 74.0, 9.0
+"""Letters that a line of the legend has room for, and that an entry takes beside its name."""
+
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 
@@ -41,7 +44,8 @@ def strings_figure(joint: Joint) -> "Figure":
     to_scale(axes, _NARROWEST_BOX * joint.geometry.length, zoom=0.85)
     axes.set(title=f"{joint.name} with its sensors", xlabel="x / m", ylabel="y / m", zlabel="z / m")
     axes.tick_params(labelsize=6.5)
-    columns = min(6, len(joint.sensors))
+    longest = max(len(sensor.name) for sensor in joint.sensors)
+    columns = max(1, min(6, len(joint.sensors), int(_ENTRIES // (_ENTRY + longest))))
     figure.legend(loc="outside lower center", ncols=columns, fontsize=7.0)
     return figure
 
