@@ -1,6 +1,7 @@
 #!/bin/sh
 # Proves with Frama-C's value analysis, for int of 32 and of 16 bits, that the runtime and two
-# exported joints meet any input without undefined behaviour. Logs go beside the exported folders.
+# exported joints meet any input without undefined behaviour; so do the estimators, fallbacks,
+# checks and zeros of two joints whose sensors contradict each other. Logs go beside the exported folders.
 #
 #     tests/c/prove/run.sh CCGEN OUT
 set -eu
@@ -51,3 +52,29 @@ for pair in shoulder:ccgen_segments16 spine:ccgen_axis32_segments; do
         "$drivers/joint.c" "$drivers/pose_any.c" $sources "$folder"/src/ccgen/*.c
 done
 prove slcan "$out/shoulder" "$drivers/slcan.c" "$out/shoulder/src/ccgen/slcan.c"
+prove watch "$out/shoulder" -eva-slevel 1000 -eva-split-return full "$drivers/watch.c"
+
+# check FIELD: what the only check of the joint says of a field.
+check() {
+    sed -n "/^static const ccgen_check_t/,/^};/s|^ *\([0-9]*\), /\* $1 \*/.*|\1|p" "$source"
+}
+
+for pair in trunk:16 pairs:32; do
+    joint=${pair%:*}
+    precision=${pair#*:}
+    folder=$out/$joint
+    source=$folder/src/$joint.c
+    "$ccgen" export "$drivers/joints/$joint.toml" -o "$folder" >/dev/null
+    shift_=$(check shift)
+    # Bits that values of twice the precision may lose more, until they fit 16.
+    most=$((2 * precision - 16 - shift_))
+    names="-DCHECK_HEADER='\"ccgen/check$precision.h\"' -DSHORTENED=ccgen_shortened$precision"
+    names="$names -DPARITY=int$((2 * precision))_t -DSHORTENED_MOST=$most"
+    names="$names -DCHECK_SENSORS=$(check sensors) -DCHECK_KEPT=$(check kept) -DCHECK_SHIFT=$shift_"
+    names="$names -DJOINT_SOURCE='\"$joint.c\"' -DRESTORE_LAST=${joint}_restore_last"
+    prove "$joint-shortened" "$folder" -eva-min-loop-unroll 17 "$drivers/shortened.c"
+    # Loops over sensors are followed turn by turn.
+    prove "$joint-estimator" "$folder" -eva-min-loop-unroll 17 \
+        -eva-use-spec "ccgen_shortened$precision" "$drivers/estimator.c" "$drivers/checked.c" \
+        "$folder/src/${joint}_kinematics.c" "$folder/src/${joint}_jacobian.c"
+done
