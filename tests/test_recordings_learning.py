@@ -132,11 +132,8 @@ def test_few_markers_and_counts_tell_where_the_joint_is_stiff():
     assert np.degrees(np.sqrt(np.mean(states[:, : 2 * M] ** 2))) > 2
 
 
-def test_most_of_the_rows_tell_from_all_of_them_on_what_they_tell_from_nothing(monkeypatch):
-    states = bent()
-    rest = states[48:]
-    sight, seen = markers(rest, 2e-4), lengths(rest)
-    whole = learn(markers(states, 2e-4), model(), lengths(states), 240, np.zeros_like(states))
+def evaluations(monkeypatch):
+    """A list that grows with every evaluation of a likelihood."""
     taken = []
     value = Likelihood.value_and_gradient
 
@@ -145,6 +142,15 @@ def test_most_of_the_rows_tell_from_all_of_them_on_what_they_tell_from_nothing(m
         return value(self, theta)
 
     monkeypatch.setattr(Likelihood, "value_and_gradient", counted)
+    return taken
+
+
+def test_most_of_the_rows_tell_from_all_of_them_on_what_they_tell_from_nothing(monkeypatch):
+    states = bent()
+    rest = states[48:]
+    sight, seen = markers(rest, 2e-4), lengths(rest)
+    whole = learn(markers(states, 2e-4), model(), lengths(states), 240, np.zeros_like(states))
+    taken = evaluations(monkeypatch)
     anew = learn(sight, model(), seen, 192, np.zeros_like(rest))
     cold = len(taken)
     begun = learn(sight, model(), seen, 192, np.zeros_like(rest), before=whole)
@@ -168,14 +174,7 @@ def test_few_steps_lead_to_the_least_value(monkeypatch):
     curvature = likelihood.curvature(found)
     left = np.sqrt(slope @ np.linalg.solve(curvature, slope))
     assert left < 0.1  # standard deviations of what the rows tell
-    taken = []
-    value = Likelihood.value_and_gradient
-
-    def counted(self, theta):
-        taken.append(theta)
-        return value(self, theta)
-
-    monkeypatch.setattr(Likelihood, "value_and_gradient", counted)
+    taken = evaluations(monkeypatch)
     spread = np.linalg.inv(np.linalg.cholesky(curvature)).T
     away = found + spread @ np.random.default_rng(6).standard_normal(len(found))
     again = _descended(likelihood, away, likelihood.thinned.curvature(away), 150, 1e-2)

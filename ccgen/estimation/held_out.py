@@ -177,16 +177,9 @@ class _Part:
         estimate = estimated(joint, weights, read)
         added = rounding if noise else {}
         return Missed(
-            joint,
-            weights,
-            shapes.state,
-            estimate,
-            deviation,
-            added,
-            covariance,
-            place,
-            spread,
-        )
+            joint, weights, shapes.state, estimate, deviation, added, covariance,
+            place=place, place_spread=spread,
+        )  # fmt: skip
 
 
 def _as_seen(joint: "Joint", weights: AxisWeights, covariance: Floats | None) -> Floats | None:

@@ -24,7 +24,7 @@ from ccgen.recordings.learning import independent_rows, shapes, states
 from ccgen.recordings.lengths import Read, expected_changes, read_lengths
 from ccgen.recordings.likelihood import Evidence, Lengths, Parameters, Posterior
 from ccgen.recordings.modes import Model, joint_models
-from ccgen.recordings.pooled import Part, Shared, pooled, usual, with_twist
+from ccgen.recordings.pooled import Part, Shared, nothing_learned, pooled, usual, with_twist
 from ccgen.recordings.progress import Report, in_silence
 from ccgen.recordings.recording import Recording
 from ccgen.recordings.reference import Reference, learned_rows
@@ -149,11 +149,11 @@ def _part(
         some = sights.rows(seen[:: max(1, len(seen) // _FRAME_ROWS)])
         if sights.oriented and not spread.certain:
             blind = replace(some, rotation=np.full_like(some.rotation, np.nan))
-            states = _by_bodies(blind, frame, model, _nothing_learned(model))
+            states = _by_bodies(blind, frame, model, nothing_learned(model))
             frame = mounted(some, frame, states)
         some, frame = refined(some, frame, spread, usual(model), share, noisy=unstated(recording))
         sights = some.noise_of(sights)
-    state = _by_bodies(sights, frame, model, _nothing_learned(model))
+    state = _by_bodies(sights, frame, model, nothing_learned(model))
     read = _read(recording, sights, state, sensors, allowed)
     return Part(recording, sights, frame, spread, seen, independent, state, read)
 
@@ -196,11 +196,6 @@ def _read(
     expected = expected_changes(state[:, :-1], sensors.matrix)
     expected[~sights.seen] = np.nan
     return read_lengths(recording, sensors, expected, allowed, near)
-
-
-def _nothing_learned(model: Model) -> Parameters:
-    sizes, compliances = np.zeros(model.sizes), np.zeros(model.compliances)
-    return Parameters(compliances, sizes, np.zeros(0), np.zeros((1, 0)))
 
 
 def _by_bodies(sights: Sights, frame: Frame, model: Model, at: Parameters) -> Floats:

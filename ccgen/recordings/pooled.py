@@ -118,9 +118,16 @@ class Shared:
         return self.model.transform(self.found.log_compliance, self.found.log_size)
 
 
+def nothing_learned(model: Model) -> Parameters:
+    """What rows have in common before anything is learned, without sensors."""
+    compliances, sizes = np.zeros(model.compliances), np.zeros(model.sizes)
+    return Parameters(compliances, sizes, np.zeros(0), np.zeros((1, 0)))
+
+
 def usual(model: Model) -> Floats:
     """The map of coordinates to states before anything is learned, shape (p, k)."""
-    return model.transform(np.zeros(model.compliances), np.zeros(model.sizes))
+    nothing = nothing_learned(model)
+    return model.transform(nothing.log_compliance, nothing.log_size)
 
 
 def with_twist(matrix: Floats) -> Floats:
@@ -147,11 +154,8 @@ def pooled(
         before: what nearly the same rows told, to begin with.
     """
     if not parts:
-        model = models[-1]
-        T = usual(model)
-        compliances, sizes = np.zeros(model.compliances), np.zeros(model.sizes)
-        nothing = Parameters(compliances, sizes, np.zeros(0), np.zeros((1, 0)))
-        return Shared(model, nothing, None, T @ T.T), []
+        T = usual(models[-1])
+        return Shared(models[-1], nothing_learned(models[-1]), None, T @ T.T), []
     own = list(parts)
     shared = _shared(joint, own, models, sensors, common, before)
     settled = all(part.spread.certain for part in own)

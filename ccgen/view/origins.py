@@ -29,6 +29,7 @@ def own_pages_only() -> Iterator[None]:
 
         return serve(*args, process_request=process, **options)
 
+    # For mypy `serve` is a class, which nothing may take the place of; viser only calls it.
     server.serve = guarded  # type: ignore[assignment,misc]
     try:
         yield
