@@ -100,7 +100,9 @@ def _address(profile):
     while time.monotonic() < end:
         if told.exists() and told.read_text().count("\n"):
             port = told.read_text().split("\n")[0]
-            with urllib.request.urlopen(f"http://127.0.0.1:{port}/json") as answer:
+            with urllib.request.urlopen(
+                f"http://127.0.0.1:{port}/json", timeout=_PATIENCE
+            ) as answer:
                 tabs = [tab for tab in json.load(answer) if tab["type"] == "page"]
             if tabs:
                 return tabs[0]["webSocketDebuggerUrl"]

@@ -27,6 +27,9 @@ SLOWEST = 20.0
 _HANGS = 100
 """Seconds of processor time after which a run is ended."""
 
+_WAITS = 360
+"""Seconds after which a run is ended that waits for something."""
+
 _QUICK = ["--enumerate", "300", "--starts", "2", "--individuals", "20", "--generations", "2"]
 
 _NO_NUMBER = re.compile(r"(?<![\w.])[-+]?(nan|inf|infinity)(?![\w.])", re.IGNORECASE)
@@ -88,10 +91,12 @@ def _run(context: Any, folder: Path, seed: int, command: str) -> Run:
     sender.close()
     answer = None
     with contextlib.suppress(EOFError):
-        answer = receiver.recv()
+        if receiver.poll(_WAITS):
+            answer = receiver.recv()
+    process.kill()
     process.join()
     if answer is None:
-        what = f"ended without a status, or was ended after {_HANGS} s"
+        what = f"ended without a status, or was ended after {_HANGS} s of work or {_WAITS} s"
         return Run(seed, command, None, _HANGS, "", (what,))
     status, seconds, printed, said = answer
     faults = list(faults_of(status, printed, said, "--json" in words, here))

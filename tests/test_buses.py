@@ -3,6 +3,7 @@
 import json
 import logging
 import os
+import select
 import subprocess
 import sys
 import threading
@@ -65,10 +66,13 @@ def adapter(
     assert node.stdin is not None
     assert node.stdout is not None
 
+    pulled = threading.Event()
+
     def to_node() -> None:
         with suppress(OSError, ValueError):
-            while data := os.read(far, 65536):
-                os.write(node.stdin.fileno(), data)
+            while not pulled.is_set():
+                if select.select([far], [], [], 0.02)[0]:
+                    os.write(node.stdin.fileno(), os.read(far, 65536))
 
     def from_node() -> None:
         frames = 0
@@ -76,20 +80,22 @@ def adapter(
             os.write(far, spoil(data))
             frames += data.count(b"t")
             if pulled_after is not None and frames > pulled_after:
-                os.close(far)
-                return
+                break
+        # Closed where nobody reads any more: the number may be another file's at once.
+        pulled.set()
+        reader.join()
+        os.close(far)
 
-    threads = [threading.Thread(target=move, daemon=True) for move in (to_node, from_node)]
-    for thread in threads:
-        thread.start()
+    reader, writer = (threading.Thread(target=move, daemon=True) for move in (to_node, from_node))
+    reader.start()
+    writer.start()
     try:
         yield os.ttyname(near)
     finally:
         node.terminate()
+        writer.join(PATIENCE)
         node.communicate(timeout=PATIENCE)
         os.close(near)
-        if pulled_after is None:
-            os.close(far)
 
 
 @pytest.mark.parametrize("end", [b"\r\n", b"\n", b"\n\r"])

@@ -24,7 +24,7 @@ import pytest
 from false_alarms import along
 from jsonschema import Draft202012Validator
 from mcap.reader import make_reader
-from waiting import PATIENCE, becomes
+from waiting import PATIENCE, becomes, read_until, write_all
 
 from ccgen.can.logs import frame_log
 from ccgen.can.monitor import Monitor
@@ -658,12 +658,10 @@ def test_five_thousand_frames_a_second_come_through_a_terminal(classic, tmp_path
     reader = threading.Thread(target=lambda: said.extend(process.stdout))
     reader.start()
     try:
-        opening = b""
-        while b"L\r" not in opening:
-            opening += os.read(far, 100)
+        read_until(far, lambda data: b"L\r" in data)
         begin = time.monotonic()
         for k in range(0, len(frames), 50):
-            os.write(far, b"".join(map(slcan, frames[k : k + 50])))
+            write_all(far, b"".join(map(slcan, frames[k : k + 50])))
             time.sleep(max(0.0, begin + (k + 50) / 5000 - time.monotonic()))
         assert becomes(lambda: len(said) == snapshots), len(said)
         os.close(near)
@@ -671,8 +669,8 @@ def test_five_thousand_frames_a_second_come_through_a_terminal(classic, tmp_path
             os.close(far)
         else:
             process.send_signal(end)
-        err = process.stderr.read()
         process.wait(PATIENCE)
+        err = process.stderr.read()
         reader.join(PATIENCE)
     finally:
         process.kill()

@@ -53,9 +53,9 @@ def build(driver: str, folder: Path, out: Path, *flags: str) -> Path:
     return out / driver
 
 
-def fuzz(program: Path, runs: int) -> subprocess.CompletedProcess[str]:
+def fuzz(program: Path, runs: int, seed: int = 1) -> subprocess.CompletedProcess[str]:
     """Long inputs from the start, as most steps need some bytes."""
-    options = ("-seed=1", f"-runs={runs}", "-max_len=512", "-len_control=0", "-timeout=60")
+    options = (f"-seed={seed}", f"-runs={runs}", "-max_len=512", "-len_control=0", "-timeout=60")
     artifacts = f"-artifact_prefix={program.parent}/"
     return subprocess.run(
         [program, *options, artifacts],
@@ -119,6 +119,9 @@ def test_a_planted_fault_is_found(driver, joint, file, right, wrong, exported, t
     source = (folder / file).read_text()
     assert right in source
     (folder / file).write_text(source.replace(right, wrong, 1))
-    done = fuzz(build(driver, folder, tmp_path), 4_000)
-    assert done.returncode != 0
-    assert "SUMMARY: " in done.stderr
+    program = build(driver, folder, tmp_path)
+    # The same seed draws other inputs in another run: what leads it includes addresses.
+    runs = (fuzz(program, 4_000, seed) for seed in range(1, 9))
+    found = next((done for done in runs if done.returncode), None)
+    assert found is not None
+    assert "SUMMARY: " in found.stderr

@@ -6,6 +6,8 @@ from contextlib import contextmanager
 import msgspec
 import viser
 import zstandard
+from waiting import PATIENCE, becomes
+from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 _CAMERA = {
@@ -17,18 +19,37 @@ _CAMERA = {
 
 @contextmanager
 def viewer(url):
-    """Look at a page; give what tells its next batch of messages, a list of dictionaries."""
-    address = url.replace("http://", "ws://")
-    with connect(address, subprotocols=[f"viser-v{viser.__version__}"], max_size=None) as socket:
-        socket.send(msgspec.msgpack.encode(_CAMERA))
+    """Look at a page; give what tells its next batch of messages, a list of dictionaries.
 
-        def batch(timeout=30.0):
-            data = socket.recv(timeout=timeout)
-            size = int.from_bytes(data[8:16], "little")
-            plain = zstandard.ZstdDecompressor().decompress(data[16 : 16 + size])
-            return msgspec.msgpack.decode(plain)["messages"]
+    A page that only just begins may not be there yet, or close again at once.
+    """
+    data, socket = [], None
 
+    def looks():
+        nonlocal socket
+        try:
+            socket = _open(url.replace("http://", "ws://"))
+            data.append(socket.recv(timeout=PATIENCE))
+        except (OSError, WebSocketException):
+            return False
+        return True
+
+    assert becomes(looks), f"{url} is not there"
+
+    def batch(timeout=30.0):
+        block = data.pop() if data else socket.recv(timeout=timeout)
+        size = int.from_bytes(block[8:16], "little")
+        plain = zstandard.ZstdDecompressor().decompress(block[16 : 16 + size])
+        return msgspec.msgpack.decode(plain)["messages"]
+
+    with socket:
         yield batch
+
+
+def _open(address):
+    socket = connect(address, subprotocols=[f"viser-v{viser.__version__}"], max_size=None)
+    socket.send(msgspec.msgpack.encode(_CAMERA))
+    return socket
 
 
 def until(batch, holds, seconds=30.0):
