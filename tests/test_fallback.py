@@ -7,6 +7,7 @@ import pytest
 from joint_files import joint_text
 
 import ccgen
+from ccgen.errors import FormatError
 from ccgen.estimation import noise_aware, wam
 from ccgen.estimation.fallback import expected_error, fallback, held
 from ccgen.fixedpoint.fallback import fallbacks, served
@@ -14,6 +15,7 @@ from ccgen.fixedpoint.ranges import count_gains
 from ccgen.fixedpoint.serving import quantise_with_fallbacks
 from ccgen.sensing.counts import counts_of
 from ccgen.sensing.noise import reading_noise
+from ccgen.sensing.readings import normaliser
 from ccgen.shapes import axis_library
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -71,6 +73,93 @@ def test_a_segment_without_a_sensor_falls_back_to_what_the_shapes_allow():
     text = joint_text(tables='[estimator]\nmethod = "direct"').replace("heuristic", "end-to-end")
     fit = ccgen.fit(ccgen.parse(text))
     assert [lost(fit, "u", j).method for j in range(3)] == ["wam"] * 3
+
+
+def strings(seed, precision):
+    """Text of a joint of strings, three along all of it; of odd seeds it elongates."""
+    drawn = np.random.default_rng(seed)
+    segments, elongates = int(drawn.integers(3, 9)), seed % 2
+    text = f"""\
+name = "drawn"
+[geometry]
+segments = {segments}
+length = 0.2
+range_of_motion = {drawn.uniform(1.0, 8.0)}
+{"elongation = [0.0, 0.04]" if elongates else ""}
+[sensors.transducer]
+metres_per_count = {2.0e-6 if precision == 32 else 3.0e-5 * drawn.choice((-1, 1))}
+bits = {24 if precision == 32 else 14}
+signed = {"true" if precision == 32 else "false"}
+[fixed_point]
+precision = {precision}
+"""
+    for j in range(int(drawn.integers(4, 9))):
+        ends = np.sort(drawn.integers(0, segments, 2))
+        (first, last), angle = ((0, segments - 1), 120.0 * j) if j < 3 else (ends, 0.0)
+        text += f"""\
+[[sensor]]
+name = "s{j}"
+span = [{first}, {last}]
+angle = {angle + drawn.uniform(5.0, 100.0)}
+radius = {drawn.uniform(0.02, 0.05)}
+"""
+    return text
+
+
+JOINTS = {
+    **{f"strings {seed}, {bits}": strings(seed, bits) for seed in range(12) for bits in (16, 32)},
+    **{name: (EXAMPLES / f"{name}.toml").read_text() for name in ("shoulder", "wrist", "spine")},
+}
+
+
+@pytest.mark.parametrize("name", JOINTS)
+def test_floats_are_served_as_integers_are_whatever_is_missing_in_a_row(name):
+    fit = ccgen.fit(ccgen.parse(JOINTS[name]))
+    model, guarded = fit.model, fit.guarded
+    shapes = fit.stated.shapes
+    drawn = np.random.default_rng(0)
+    counts = counts_of(fit.joint, shapes) + model.readings.zero
+    absent = drawn.permuted(
+        np.arange(counts.shape[1]) < np.arange(len(counts))[:, None] % 4, axis=1
+    )
+    floats = fit.estimate(np.where(absent, np.nan, counts))
+    for axis, integers in model.split(guarded.estimate(counts, absent)).items():
+        own, found = model.axis(axis), getattr(floats, axis)
+        lost = integers == -own.angle_limit - 1
+        np.testing.assert_array_equal(np.isnan(found), lost)
+        assert lost.any()
+        # Each weight is off by half a step of the accumulator at most, the angle by half a step.
+        steps = 0.5 + np.ldexp(own.span.sum() / 2.0, -own.shift)
+        most = own.radians(own.angle_limit)
+        off = np.abs(np.clip(found, -most, most) - own.radians(integers))[~lost]
+        assert off.max() <= own.radians(steps) * (1 + 1e-9)
+
+
+def test_weights_are_fitted_once_and_only_where_a_reading_is_missing(monkeypatch):
+    from ccgen.estimation import fitted as module
+
+    fit, asked = fitted(), []
+    monkeypatch.setattr(module, "fallback", lambda *words: asked.append(words) or fallback(*words))
+    counts = np.full((4, 6), 50.0)
+    fit.estimate(counts)
+    assert not asked
+    counts[0, 1] = counts[1, 4] = np.nan
+    first = fit.estimate(counts)
+    assert len(asked) == 6
+    np.testing.assert_array_equal(fit.estimate(counts).u, first.u)
+    assert len(asked) == 6
+
+
+def test_where_no_format_fits_floats_are_served_all_the_same():
+    fit = fitted(step=1e-9)
+    with pytest.raises(FormatError):
+        _ = fit.model
+    counts = np.random.default_rng(0).integers(-30_000, 30_000, (20, 6)).astype(float)
+    counts[:, 0] = np.nan
+    estimate = fit.estimate(counts)
+    readings = counts * [sensor.metres_per_count for sensor in fit.sensors] / normaliser(fit.joint)
+    free = lost(fit, "u", 0).estimate(np.nan_to_num(readings[:, :3]))
+    np.testing.assert_allclose(estimate.u, free, rtol=1e-12, atol=1e-15)
 
 
 def test_an_axis_of_one_sensor_has_no_fallback():

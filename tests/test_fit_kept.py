@@ -71,6 +71,8 @@ def test_the_kept_fit_is_the_one_that_was_told(joint_file):
     np.testing.assert_array_equal(
         kept.guarded.estimate(counts, absent), fitted.guarded.estimate(counts, absent)
     )
+    gone, bound = np.where(absent, np.nan, counts), 1e-2 * fitted.joint.geometry.range_of_motion
+    assert np.abs(kept.estimate(gone).u - fitted.estimate(gone).u).max() < bound
     assert kept.checks.sensors == fitted.checks.sensors
     assert [asdict(row) for row in kept.without] == [asdict(row) for row in fitted.without]
     assert [asdict(row) for _, row in kept.left] == [asdict(row) for _, row in fitted.left]

@@ -103,17 +103,39 @@ def test_integers_and_floats_estimate_the_same_within_the_proven_bound(joint, fi
         assert np.abs(model.radians(integers) - floats).max() <= bound
 
 
-def test_a_reading_that_is_missing_loses_its_axis_alone(joint, fit, bent):
+def test_two_readings_that_are_missing_lose_their_axis_alone(joint, fit, bent):
     counts = raw_counts(joint, bent)[:3].astype(float)
     whole = fit.estimate(counts)
-    counts[0, 1] = np.nan
-    counts[1, 4] = 2**15
+    counts[0, :2] = np.nan
+    counts[1, 3:5] = np.nan, 2**15
     estimate = fit.estimate(counts)
     assert np.isnan(estimate.u).all(axis=1).tolist() == [True, False, False]
     assert np.isnan(estimate.v).all(axis=1).tolist() == [False, True, False]
     assert np.isnan(estimate.tip).all(axis=1).tolist() == [True, True, False]
     np.testing.assert_array_equal(estimate.v[0], whole.v[0])
     np.testing.assert_array_equal(estimate.u[1], whole.u[1])
+
+
+def test_a_reading_that_is_missing_costs_its_axis_the_error_that_was_told(joint, fit):
+    shapes = fit.stated.shapes
+    counts = raw_counts(joint, shapes).astype(float)
+    whole = fit.estimate(counts)
+    for j, told in enumerate(fit.without):
+        gone = counts.copy()
+        gone[:, j] = np.nan if j % 2 else 2**15
+        estimate = fit.estimate(gone)
+        axis, other = "uv" if j < 3 else "vu"
+        np.testing.assert_array_equal(getattr(estimate, other), getattr(whole, other))
+        error = np.degrees(getattr(estimate, axis) - getattr(shapes, axis))
+        assert np.sqrt(np.mean(np.square(error))) == pytest.approx(told.rms_deg[axis], rel=0.05)
+        assert not np.isnan(estimate.tip).any()
+
+
+def test_without_fallbacks_a_missing_reading_loses_its_axis():
+    fit = ccgen.fit(ccgen.parse(joint_text(tables="[estimator]\nfallback = false")))
+    estimate = fit.estimate([[np.nan, 100, 100, 100, 100, 100]])
+    assert np.isnan(estimate.u).all()
+    assert not np.isnan(estimate.v).any()
 
 
 def test_zeros_and_gains_are_those_that_the_fit_shows(bent):

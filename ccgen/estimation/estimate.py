@@ -1,6 +1,6 @@
 """From counts to shapes in double precision: what the fitted weights make of readings."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,13 +14,18 @@ from ccgen.kinematics import tip_pose
 from ccgen.sensing.readings import normaliser
 from ccgen.sensing.simulation import segment_lengths
 
+Serving = Callable[[str, int], Weights | None]
+"""Weights that serve for an axis while sensor j, of those that it reads, gives no reading.
+
+None where the axis is lost without it. Called only where such a reading is missing.
+"""
+
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
     """Estimated states of a joint of m segments and S sections; N rows, read-only.
 
-    An axis that is not estimated does not move: it is 0. What a missing reading makes unknown is
-    NaN.
+    An axis that is not estimated does not move: it is 0. What missing readings make unknown is NaN.
 
     Attributes:
         u: bending about x, shape (N, m), radians.
@@ -40,14 +45,22 @@ class Estimate:
 
 
 def estimate(
-    joint: Joint, sensors: Sequence[Sensor], weights: Mapping[str, Weights], counts: ArrayLike
+    joint: Joint,
+    sensors: Sequence[Sensor],
+    weights: Mapping[str, Weights],
+    serving: Serving,
+    counts: ArrayLike,
 ) -> Estimate:
     """Estimate a joint's state from counts.
+
+    Where one sensor of an axis gives no reading, weights without it serve; where two or more do
+    not, the axis is lost.
 
     Args:
         joint: the joint.
         sensors: its n sensors, with the gains and zeros that hold.
         weights: of each axis that is estimated, on normalised readings.
+        serving: what serves in their place.
         counts: shape (N, n), in the joint's order of sensors; NaN where there is no reading, as
             is a count that the transducer cannot give.
 
@@ -59,9 +72,22 @@ def estimate(
     parts = {"u": np.zeros((rows, geometry.segments)), "v": np.zeros((rows, geometry.segments))}
     parts["h"] = np.zeros((rows, len(geometry.sections)))
     for axis, fitted in weights.items():
-        parts[axis] = fitted.estimate(readings[:, joint.own(axis)])
+        parts[axis] = _served(axis, fitted, serving, readings[:, joint.own(axis)])
     poses = tip_pose(parts["u"], parts["v"], segment_lengths(joint, parts["h"]))
     return Estimate(**parts, tip=poses[:, :3, 3].copy())
+
+
+def _served(axis: str, weights: Weights, serving: Serving, readings: Floats) -> Floats:
+    """Values of an axis, shape (N, m or S), from the readings of its sensors, shape (N, n)."""
+    values = weights.estimate(readings)  # NaN wherever a reading is
+    missing = np.isnan(readings)
+    alone = missing & (missing.sum(axis=1) == 1)[:, None]
+    for j in np.flatnonzero(alone.any(axis=0)).tolist():
+        without = serving(axis, j)
+        if without is not None:
+            rows = alone[:, j]
+            values[rows] = without.estimate(np.where(missing[rows], 0.0, readings[rows]))
+    return values
 
 
 def normalised_readings(joint: Joint, sensors: Sequence[Sensor], counts: Floats) -> Floats:

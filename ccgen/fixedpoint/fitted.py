@@ -18,6 +18,7 @@ from ccgen.estimation.fit import Task, fit_task
 from ccgen.estimation.fitted import FittedWeights
 from ccgen.estimation.recorded import recorded
 from ccgen.estimation.sources import Source, simulated_sources, still_axes
+from ccgen.estimation.weights import Weights
 from ccgen.fixedpoint.advice import fixed_point_advice
 from ccgen.fixedpoint.bounds import rms
 from ccgen.fixedpoint.fallback import served
@@ -142,11 +143,32 @@ class Fit(FittedWeights):
     @cached_property
     def _served(self) -> Mapping[str, ServedAxis]:
         """Each axis with what serves without one of its sensors."""
+        return {
+            axis: quantise_with_fallbacks(self.task, axis, own, self._free[axis], self._held)
+            for axis, own in self.weights.items()
+        }
+
+    @cached_property
+    def serving(self) -> Mapping[str, Sequence[Weights | None]]:
+        """Weights of each axis without each of its sensors, as they are exported.
+
+        None where the axis is lost; empty without fallbacks. Where no format fits, and nothing is
+        exported, they are those that no format limits.
+        """
+        if not self.sensed.fallback:
+            return {}
+        try:
+            return {axis: one.weights for axis, one in self._served.items()}
+        except FormatError:
+            return self._free
+
+    @cached_property
+    def _free(self) -> Mapping[str, Sequence[Weights | None]]:
+        """Weights of each axis without each of its sensors, as large as they are fitted."""
         found = {}
         for axis, own in self.weights.items():
             first = self.sensed.own(axis).start
-            lost = [self.fallback(axis, first + j) for j in range(own.sensors)]
-            found[axis] = quantise_with_fallbacks(self.task, axis, own, lost, self._held)
+            found[axis] = [self.fallback(axis, first + j) for j in range(own.sensors)]
         return found
 
     @cached_property
@@ -220,13 +242,23 @@ class Fit(FittedWeights):
     def estimate(self, counts: ArrayLike) -> Estimate:
         """Estimate the joint's state in double precision.
 
+        Where one sensor of an axis gives no reading, the weights serve that were fitted without
+        it, as in the exported C; they are fitted when first needed. The axis is NaN, and the tip
+        with it, where two or more give none, where the others do not tell it, and where the joint
+        has `fallback = false`. Sensors are not held against each other.
+
         Args:
-            counts: shape (N, n), in the joint's order of sensors; NaN for no reading.
+            counts: shape (N, n), in the joint's order of sensors; NaN for no reading. What is
+                missing may differ from row to row.
 
         Raises:
             ArgumentError: another form, or lengths in the place of counts.
         """
-        return estimate(self.sensed, self.sensors, self.weights, counts)
+
+        def serving(axis: str, sensor: int) -> Weights | None:
+            return self.serving[axis][sensor] if self.serving else None
+
+        return estimate(self.sensed, self.sensors, self.weights, serving, counts)
 
     @cached_property
     def _held(self) -> Shapes:

@@ -22,10 +22,12 @@ from ccgen.estimation.errors import ErrorRow, StandardDeviations
 from ccgen.estimation.fit import Task
 from ccgen.estimation.fitted import Without
 from ccgen.estimation.sources import Source
-from ccgen.estimation.weights import Floats, Weights
+from ccgen.estimation.weights import Floats, Weights, without_intercept
 from ccgen.fixedpoint.fitted import Fit
+from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.guarded_storage import guard_record, guarded_model
 from ccgen.fixedpoint.joint_checks import JointChecks, SensorCheck
+from ccgen.fixedpoint.ranges import reading_per_count
 from ccgen.fixedpoint.storage import model_from_record, model_record
 from ccgen.joint import Joint
 from ccgen.outputs import write_file
@@ -222,6 +224,7 @@ def _fit(joint: Joint, record: dict[str, Any]) -> Fit:
         plain=model_from_record(record["model"]),
         model=guarded.model,
         guarded=guarded,
+        serving=_serving(sensed, method, guarded),
         checks=checks,
         errors=tuple(_error_row(one) for one in record["errors"]),
         without=tuple(_without(one) for one in record["without"]),
@@ -229,6 +232,23 @@ def _fit(joint: Joint, record: dict[str, Any]) -> Fit:
         standard_deviations=StandardDeviations(axes, float(std["tip_m"])),
     )
     return fit
+
+
+def _serving(joint: Joint, method: str, guarded: GuardedModel) -> dict[str, list[Weights | None]]:
+    """Weights without each sensor of an axis, as its integers have them."""
+    found: dict[str, list[Weights | None]] = {}
+    for axis, own in guarded.fallbacks.items():
+        model, spans = guarded.model.axis(axis), spans_of(joint.sensors[joint.own(axis)])
+        unit = reading_per_count(joint, axis)
+        found[axis] = [
+            None
+            if rows is None
+            else without_intercept(
+                method, spans, np.ldexp(rows, -(model.fraction_bits + model.shift)) / unit
+            )
+            for rows in own.rows
+        ]
+    return found
 
 
 def _weights(joint: Joint, axis: str, method: str, record: dict[str, Any]) -> Weights:

@@ -24,9 +24,14 @@ DIFFERENCE_LIMIT = 2**31 - 1
 
 def count_gains(joint: Joint, axis: str, weights: Weights) -> Floats:
     """Angle in rad per count, shape (m, n): eq. (5) with eqs. (1), (2) folded in."""
+    return weights.matrix * reading_per_count(joint, axis)
+
+
+def reading_per_count(joint: Joint, axis: str) -> Floats:
+    """Normalised reading that a count of each sensor of an axis is worth, shape (n,), radians."""
     own = joint.own(axis)
     step = np.array([sensor.metres_per_count for sensor in joint.sensors[own]])
-    return weights.matrix * (step / normaliser(joint)[own])
+    return np.asarray(step / normaliser(joint)[own])
 
 
 def symmetric_ranges(joint: Joint, axis: str, shapes: Shapes) -> SensorRanges:

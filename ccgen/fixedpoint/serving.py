@@ -16,9 +16,7 @@ from ccgen.estimation.fit import Task
 from ccgen.fixedpoint.fallback import Fallbacks, fallbacks, weight_limit
 from ccgen.fixedpoint.formats import quantise_axis
 from ccgen.fixedpoint.model import AxisModel, Floats
-from ccgen.fixedpoint.ranges import count_gains
-from ccgen.joint import Joint
-from ccgen.sensing.readings import normaliser
+from ccgen.fixedpoint.ranges import count_gains, reading_per_count
 from ccgen.shapes import Shapes
 
 _COARSER = 6
@@ -72,7 +70,7 @@ def quantise_with_fallbacks(
         if following.worst_error_percent_rom > bearable:
             break
         model = following
-        limit = weight_limit(model) / _gain_per_weight(joint, axis)
+        limit = weight_limit(model) / np.abs(reading_per_count(joint, axis))
         if (
             coarser == _COARSER
             or model.shift == 0
@@ -98,9 +96,3 @@ def _allowed(task: Task, axis: str, weights: Weights | None) -> float:
         return 0.0
     unit = 1.0 if axis == "h" else task.joint.geometry.range_of_motion
     return _COSTS * expected_error(task, axis, weights) + _NEGLIGIBLE * unit
-
-
-def _gain_per_weight(joint: Joint, axis: str) -> Floats:
-    own = joint.own(axis)
-    step = np.array([abs(sensor.metres_per_count) for sensor in joint.sensors[own]])
-    return np.asarray(step / normaliser(joint)[own])
