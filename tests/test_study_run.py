@@ -153,7 +153,8 @@ def test_a_study_on_a_cluster_ends_in_one_line(tmp_path, scheduler, victim, by, 
         os.kill({"study": study, "scheduler": scheduler}[victim].pid, by)
         end = ended(study)
         worker.kill()
-    (line,) = end[2].splitlines()
+    assert end[2].count("\n") == 1, end[2]
+    line = end[2].rstrip()
     assert end[0] == status
     assert line.startswith(message.replace("ADDRESS", address))
     assert ("finished joints are kept" in line) == (victim == "scheduler")

@@ -19,13 +19,14 @@ import numpy as np
 
 from ccgen.errors import ArgumentError, ToolError
 from ccgen.joint import Joint
+from ccgen.view.cameras import FIELD_OF_VIEW, aim, is_narrow
 from ccgen.view.drawing import Colours, Drawing, drawing_of, pieces
 from ccgen.view.origins import own_pages_only
 from ccgen.view.panel import legend, numbers
 from ccgen.view.sight import Bends, Errors, Floats, Sight, errors_of
 
 if TYPE_CHECKING:
-    from viser import GuiUplotHandle, ViserServer
+    from viser import ClientHandle, GuiUplotHandle, ViserServer
 
 HOST = "127.0.0.1"
 FIRST_PORT = 8080
@@ -130,10 +131,14 @@ class Page:
         scene.add_grid("/floor", width=2 * length, height=2 * length, plane="xy",
                        cell_size=length / 10, section_size=length / 2)  # fmt: skip
         camera = self._server.initial_camera
-        camera.look_at = (0.0, 0.0, 0.42 * length)
-        camera.position = (1.2 * length, -1.7 * length, 1.1 * length)
-        camera.fov = 0.8
+        aim(camera, length)
+        camera.fov = FIELD_OF_VIEW
         camera.near, camera.far = 0.01 * length, 100.0 * length
+
+        @self._server.on_client_connect
+        def _(client: "ClientHandle") -> None:
+            if is_narrow(client.camera.image_width):
+                aim(client.camera, length, narrow=True)
 
     def _add_scene(self, drawing: Drawing) -> None:
         scene, joint = self._server.scene, self._joint
