@@ -153,8 +153,8 @@ def test_a_study_on_a_cluster_ends_in_one_line(tmp_path, scheduler, victim, by, 
         os.kill({"study": study, "scheduler": scheduler}[victim].pid, by)
         end = ended(study)
         worker.kill()
-    assert end[2].count("\n") == 1, end[2]
-    line = end[2].rstrip()
+    *progress, line = end[2].splitlines()
+    assert all(" joints/s, " in told for told in progress)  # of a busy machine
     assert end[0] == status
     assert line.startswith(message.replace("ADDRESS", address))
     assert ("finished joints are kept" in line) == (victim == "scheduler")
