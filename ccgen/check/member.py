@@ -14,6 +14,7 @@ from ccgen.can.load import load_percent
 from ccgen.errors import InputError
 from ccgen.export.manifest import Manifest, changed_files, read_manifest
 from ccgen.fixedpoint import fit
+from ccgen.fixedpoint.beforehand import check_counts
 from ccgen.fixedpoint.kept import kept_fit
 from ccgen.fixedpoint.model import SensorRanges
 from ccgen.joint import Joint
@@ -137,5 +138,7 @@ def _layout(joint: Joint) -> FrameLayout:
     if joint.precision == 16 or widest.count_bytes == 3:
         return widest  # narrower ranges give the same frames
     kept = kept_fit(joint)
-    fitted = fit(joint) if kept is None or kept.fit is None else kept.fit
-    return layout_for(joint, fitted.model.readings)
+    if kept is not None and kept.fit is not None:
+        return layout_for(joint, kept.fit.model.readings)
+    check_counts(joint)
+    return layout_for(joint, fit(joint).model.readings)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ccgen.cost.measure import Cost
     from ccgen.export.package import Export
     from ccgen.fixedpoint import AxisModel
+    from ccgen.joint import Joint
 
 
 def export(
@@ -64,11 +65,14 @@ def export(
     from ccgen.can.load import load_percent
     from ccgen.cost.readme import has_table
     from ccgen.export.package import export as write
+    from ccgen.joint.file import read_joint
 
     targets = _countable_targets() if cost else []
     table_is_lost = not cost and has_table(output)
+    joint = read_joint(joint_file)
+    warn(_said_before(joint))
     with progress_bars(lines=True) as report:
-        done = write(joint_file, output, report, examples or (), functions)
+        done = write(joint, output, report, examples or (), functions)
     for text in done.notes:
         note(text)
     warn(done.doubts)
@@ -90,6 +94,15 @@ def export(
         print_json(_record(done, load) | measured)
     else:
         _show(done, load, costs)
+
+
+def _said_before(joint: "Joint") -> tuple[str, ...]:
+    """Warnings that need not wait for what recordings tell, where they are to be learned from."""
+    from ccgen.fixedpoint.beforehand import check_counts
+    from ccgen.fixedpoint.kept import kept_fit
+
+    kept = kept_fit(joint) if joint.recordings else None
+    return check_counts(joint) if kept is None or kept.fit is None else ()
 
 
 def _countable_targets() -> "Sequence[str]":

@@ -10,10 +10,11 @@ from ccgen.cli.choices import Method
 from ccgen.cli.fit_output import as_json, show_fit
 from ccgen.cli.output import note, print_json, progress_bars, warn
 from ccgen.cli.plot import write_plot
-from ccgen.errors import ArgumentError
+from ccgen.errors import ArgumentError, FormatError
 
 if TYPE_CHECKING:
     from ccgen.fixedpoint import Fit
+    from ccgen.joint import Joint
 
 
 def fit(
@@ -55,6 +56,8 @@ def fit(
             "method",
         )
     joint = load(joint_file)
+    said = _said_before(joint, write)
+    warn(said)
     with progress_bars(lines=True) if joint.recordings else nullcontext(in_silence) as report:
         fitted = fitted_to(joint, method, report=report)
         if write:
@@ -69,7 +72,24 @@ def fit(
         print_json(record)
         return
     show_fit(fitted, axes)
-    warn(fitted.warnings)
+    warn(one for one in fitted.warnings if one not in said)
+
+
+def _said_before(joint: "Joint", write: bool) -> tuple[str, ...]:
+    """Warnings that need not wait for what recordings tell.
+
+    Raises:
+        FormatError: no fixed point can be kept, whatever they tell.
+    """
+    from ccgen.fixedpoint.advice import unexportable
+    from ccgen.fixedpoint.beforehand import check_counts
+
+    try:
+        return check_counts(joint)
+    except FormatError as error:
+        if write:
+            raise
+        return (unexportable(error),)
 
 
 def _kept(fitted: "Fit") -> "Fit":

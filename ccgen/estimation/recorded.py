@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ccgen.errors import InputError
 from ccgen.estimation.sources import Source, source_weights
 from ccgen.estimation.weights import Floats
+from ccgen.joint.specification import RECORDED
 from ccgen.recordings.progress import Report, in_silence
 from ccgen.sensing.readings import normaliser
 from ccgen.shapes import Shapes, within_axes
@@ -203,7 +204,7 @@ def _told(sensor: "Sensor", zero: float, gain: float, gain_std: float, noise: fl
     if not np.isnan(gain):
         found = replace(found, metres_per_count=step / gain, gain_tolerance=abs(gain_std / gain))
     if not np.isnan(zero) and sensor.zero is None:
-        found = replace(found, zero=round(zero / step))
+        found = replace(found, zero=round(zero / step), zero_origin=RECORDED)
     if not np.isnan(noise):
         rest = max(noise**2 - step**2 / 12.0, _LEAST_NOISE**2)
         found = replace(found, noise=float(np.sqrt(rest)))

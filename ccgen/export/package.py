@@ -24,6 +24,7 @@ from ccgen.export.model_context import model_context
 from ccgen.export.pose_c import pose_files
 from ccgen.export.selftest_context import selftest_context
 from ccgen.fixedpoint import Fit, FixedPointModel, fit
+from ccgen.fixedpoint.beforehand import check_counts
 from ccgen.fixedpoint.guarded_storage import guarded_json
 from ccgen.fixedpoint.kept import Kept, inputs_of, kept_fit
 from ccgen.fixedpoint.pose_storage import pose_record
@@ -119,6 +120,7 @@ def export(
     elif kept is not None and kept.fit is not None:
         whole = kept.fit
     else:
+        check_counts(joint)
         whole = fit(joint, report=report)
     layout, files = render(whole, kept, examples, module)
     with new_folder(Path(directory), _only_ours) as folder:

@@ -24,7 +24,7 @@ def fixed_point_advice(joint: Joint, model: Callable[[], FixedPointModel]) -> It
     try:
         axes = model().axes
     except FormatError as error:
-        yield f"{error}; as it is, no fixed point can be exported"
+        yield unexportable(error)
         return
     for axis, own in axes.items():
         if own.worst_error_percent_rom > _MATTERS:
@@ -34,6 +34,11 @@ def fixed_point_advice(joint: Joint, model: Callable[[], FixedPointModel]) -> It
                 f"{at_least(own.worst_error_percent_rom)} % of the {unit} to axis {axis}; "
                 f"{_remedy(joint, own)}"
             )
+
+
+def unexportable(error: FormatError) -> str:
+    """What to tell of a joint that can be fitted all the same."""
+    return f"{error}; as it is, no fixed point can be exported"
 
 
 def _remedy(joint: Joint, axis: AxisModel) -> str:

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,14 +25,14 @@ from ccgen.fixedpoint.formats import quantise
 from ccgen.fixedpoint.guarded import GuardedModel
 from ccgen.fixedpoint.joint_checks import JointChecks, joint_checks
 from ccgen.fixedpoint.model import FixedPointModel, Floats
-from ccgen.fixedpoint.ranges import count_gains
+from ccgen.fixedpoint.ranges import at_range, count_gains
 from ccgen.fixedpoint.serving import ServedAxis, quantise_with_fallbacks
 from ccgen.joint import AXES, Joint, Sensor
 from ccgen.joint.units import unit_doubts
 from ccgen.recordings.progress import Report, in_silence
 from ccgen.sensing.counts import counts_of, nominal_zero
 from ccgen.sensing.noise import second_moment, told_noise
-from ccgen.shapes import Shapes, bent_alike, joined
+from ccgen.shapes import Shapes, joined
 from ccgen.shapes.given import given_shapes, reach
 
 if TYPE_CHECKING:
@@ -264,27 +263,12 @@ class Fit(FittedWeights):
     def _held(self) -> Shapes:
         """Shapes that formats hold."""
         alone = self._is_stated and not self.sensed.couples
-        return self.shapes if alone else joined([self.shapes, _at_range(self.sensed)])
+        return self.shapes if alone else joined([self.shapes, at_range(self.sensed)])
 
     @property
     def _is_stated(self) -> bool:
         """Whether all rows are the joint's load cases."""
         return set(self.shapes.source) == {"cases"}
-
-
-def _at_range(joint: Joint) -> Shapes:
-    """The joint bent as far as it goes, to either side in both axes at once, and stretched so."""
-    geometry = joint.geometry
-    if not joint.couples:
-        farthest = np.full(geometry.segments, geometry.range_of_motion)
-        bends = np.array([farthest, -farthest])
-        return bent_alike(bends, len(geometry.sections), "range of motion")
-    both = (-geometry.range_of_motion, geometry.range_of_motion)
-    sides = [both if axis in joint.axes else (0.0,) for axis in AXES]
-    corners = np.array(list(product(*sides, geometry.elongation or (0.0,))))
-    columns = (geometry.segments, geometry.segments, len(geometry.sections))
-    u, v, h = (np.outer(corners[:, k], np.ones(count)) for k, count in enumerate(columns))
-    return Shapes(u, v, h, ("range of motion",) * len(corners))
 
 
 def fit(

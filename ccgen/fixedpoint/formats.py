@@ -92,7 +92,7 @@ def quantise_axis(
     Raises:
         FormatError: as of `quantise`.
     """
-    ranges = _ranges(joint, name, shapes)
+    ranges = sensor_ranges(joint, name, shapes)
     axis = _Axis(count_gains(joint, name, weights), weights.intercept, ranges.span, joint.precision)
     counts = counts_of(joint, shapes)[:, joint.own(name)]
     ideal = (matmul(counts, axis.gains.T) + axis.intercept).hi
@@ -125,8 +125,12 @@ def quantise_axis(
     )
 
 
-def _ranges(joint: Joint, axis: str, shapes: Shapes) -> SensorRanges:
-    """Symmetric ranges for the paper's sets; for all else ranges around a zero of their own."""
+def sensor_ranges(joint: Joint, axis: str, shapes: Shapes) -> SensorRanges:
+    """Symmetric ranges for the paper's sets; for all else ranges around a zero of their own.
+
+    Raises:
+        FormatError: the counts of a sensor do not hold the shapes.
+    """
     plain = all(sensor.signed and sensor.zero is None for sensor in joint.sensors)
     if plain and in_the_papers_way(joint):
         return symmetric_ranges(joint, axis, shapes)

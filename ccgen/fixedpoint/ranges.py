@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -9,17 +10,32 @@ from ccgen.digits import at_least, at_most
 from ccgen.errors import FormatError
 from ccgen.estimation import Weights
 from ccgen.fixedpoint.model import Floats, RelativeRange, SensorRanges
-from ccgen.joint import Joint, Sensor
+from ccgen.joint import AXES, Joint, Sensor
 from ccgen.joint.places import sensor_key
 from ccgen.sensing.counts import counts_of
 from ccgen.sensing.readings import length_changes, normaliser
-from ccgen.shapes import Shapes
+from ccgen.shapes import Shapes, bent_alike
 
 MARGIN = 1.25
 """A range that is not declared covers what the shapes need and a quarter more."""
 
 DIFFERENCE_LIMIT = 2**31 - 1
 """The estimator holds the difference of a count and a zero in 32 bits."""
+
+
+def at_range(joint: Joint) -> Shapes:
+    """The joint bent as far as it goes, to either side in both axes at once, and stretched so."""
+    geometry = joint.geometry
+    if not joint.couples:
+        farthest = np.full(geometry.segments, geometry.range_of_motion)
+        bends = np.array([farthest, -farthest])
+        return bent_alike(bends, len(geometry.sections), "range of motion")
+    both = (-geometry.range_of_motion, geometry.range_of_motion)
+    sides = [both if axis in joint.axes else (0.0,) for axis in AXES]
+    corners = np.array(list(product(*sides, geometry.elongation or (0.0,))))
+    columns = (geometry.segments, geometry.segments, len(geometry.sections))
+    u, v, h = (np.outer(corners[:, k], np.ones(count)) for k, count in enumerate(columns))
+    return Shapes(u, v, h, ("range of motion",) * len(corners))
 
 
 def count_gains(joint: Joint, axis: str, weights: Weights) -> Floats:
@@ -85,12 +101,16 @@ class SensorPlace:
 
     def said(self, key: str) -> str:
         """Where a key of the sensor stands, and which sensor it is."""
-        first, last = self.sensor.start, self.sensor.end - 1
         place = sensor_key(self.joint, self.joint.own(self.axis).start + self.j, key)
-        which = f"sensor {self.sensor.name}"
+        return f"{self.joint.source}: {place}: {self.which}"
+
+    @property
+    def which(self) -> str:
+        """Which sensor it is."""
+        first, last = self.sensor.start, self.sensor.end - 1
         if self.joint.u is not None or self.joint.v is not None:
-            which = f"sensor {self.j} of axis {self.sensor.name[0]} (span [{first:g}, {last:g}])"
-        return f"{self.joint.source}: {place}: {which}"
+            return f"sensor {self.j} of axis {self.sensor.name[0]} (span [{first:g}, {last:g}])"
+        return f"sensor {self.sensor.name}"
 
     def range(self, needed: int, move: float) -> tuple[int, int, int, int, int]:
         """Ends of the sensor's counts, of its zeros, and the most by which they may differ.

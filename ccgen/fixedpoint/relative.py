@@ -14,7 +14,7 @@ from ccgen.errors import FormatError
 from ccgen.fixedpoint.model import Floats, Integers, RelativeRange, SensorRanges
 from ccgen.fixedpoint.ranges import DIFFERENCE_LIMIT, MARGIN, SensorPlace
 from ccgen.joint import Joint
-from ccgen.joint.specification import count_limits
+from ccgen.joint.specification import CALIBRATED, STATED, count_limits
 from ccgen.sensing.counts import nominal_zero
 from ccgen.sensing.readings import length_changes
 from ccgen.shapes import Shapes
@@ -98,11 +98,24 @@ def _zero(place: SensorPlace, zeros: _Counts) -> int:
     if stated is None:
         return max(zeros.low, min(nominal_zero(place.sensor), zeros.high))
     if not zeros.low <= stated <= zeros.high:
-        raise FormatError(
-            f"{place.said('zero')} would run out of counts over the range of motion with its zero "
-            f"at {stated}; write a zero from {zeros.low} to {zeros.high}"
-        )
+        raise FormatError(_runs_out(place, stated, zeros))
     return stated
+
+
+def _runs_out(place: SensorPlace, zero: int, zeros: _Counts) -> str:
+    """What is wrong with a zero, and the remedy: one that was measured is no number to choose."""
+    short = "would run out of counts over the range of motion with its zero at"
+    joint, origin = place.joint, place.sensor.zero_origin
+    if origin == STATED:
+        return f"{place.said('zero')} {short} {zero}; write a zero from {zeros.low} to {zeros.high}"
+    told, again = "the recordings tell", "record it again"
+    if origin == CALIBRATED:
+        told, again = f"{joint.calibration} tells", f"run `ccgen calibrate {joint.source}` again"
+    return (
+        f"{joint.source}: {origin}: {place.which} {short} {zero}, as {told}; set the sensor so "
+        f"that it counts {zeros.low} to {zeros.high} where the joint is straight and {again}, or "
+        "lower geometry.range_of_motion"
+    )
 
 
 def _too_few(place: SensorPlace, needed: int, farthest: int, counts: _Counts) -> str:

@@ -9,7 +9,14 @@ import json
 from dataclasses import dataclass, replace
 
 from ccgen.joint.messages import KeyProblemError
-from ccgen.joint.specification import AxisSensors, Joint, Sensor, Transducer, count_limits
+from ccgen.joint.specification import (
+    CALIBRATED,
+    AxisSensors,
+    Joint,
+    Sensor,
+    Transducer,
+    count_limits,
+)
 
 
 @dataclass(frozen=True)
@@ -106,6 +113,7 @@ def _calibrated(sensor: Sensor, found: SensorCalibration, again: str) -> Sensor:
         sensor,
         metres_per_count=sensor.metres_per_count if gain is None else gain,
         zero=zero,
+        zero_origin=sensor.zero_origin if found.zero is None else CALIBRATED,
         noise=sensor.noise if noise is None else noise,
     )
 

@@ -54,6 +54,10 @@ def count_limits(bits: int, signed: bool) -> tuple[int, int]:
     return (-(2 ** (bits - 1)) + 1, 2 ** (bits - 1) - 1) if signed else (0, 2**bits - 1)
 
 
+STATED, CALIBRATED, RECORDED = "zero", "calibration", "recordings"
+"""Where a zero comes from, by the key of the joint file."""
+
+
 @dataclass(frozen=True)
 class Sensor:
     """One length sensor along the joint: where it runs, and what turns its length into counts."""
@@ -79,6 +83,8 @@ class Sensor:
     """Lowest and highest count of a reading; None for what the shapes need and a quarter more."""
     gain_tolerance: float = 0.0
     """One standard deviation of the gain, share of it."""
+    zero_origin: str = field(default=STATED, compare=False)
+    """Where the zero comes from: for messages only."""
 
     @property
     def segments(self) -> float:
