@@ -21,6 +21,7 @@ CYCLE = 10_000
 SECOND = 1_000_000
 NONE, DONE, BUSY, SILENCE, MOVING, RANGE, UNKNOWN, NOTHING = range(8)
 CAPTURE, MODEL, RESTORED = 1, 2, 3
+LAST = 2**31 - 1
 FROM_MODEL, CAPTURED, FROM_RESTORED = range(3)
 
 TEXT = """
@@ -46,6 +47,11 @@ WIDE = (
     TEXT.replace("precision = 16", "precision = 32")
     .replace("bits = 12", "bits = 30")
     .replace("range = [-2000, 2000]", "range = [-500000000, 400000000]")
+)
+WIDEST = (
+    TEXT.replace("precision = 16", "precision = 32")
+    .replace("bits = 12", "bits = 32\nzero = 0")
+    .replace("range = [-2000, 2000]\n", "")
 )
 FD = TEXT.replace("[can]", "[can]\nfd = true\nrate_switch = true")
 
@@ -306,6 +312,15 @@ def test_a_joint_that_moves_is_refused(sensor, sign):
         node.send(REST)
         node.send(moved)
         assert node.health().result == result
+
+
+@pytest.mark.parametrize("end", [-1, 1])
+def test_from_one_end_of_32_bits_to_the_other_is_far(end):
+    node = Node(WIDEST)
+    node.command(1, CAPTURE, snapshots=2)
+    for reading in (end * LAST, -end * LAST):
+        node.send((reading, 0, 0, 0))
+    assert node.health().result == MOVING
 
 
 def test_the_snapshot_before_the_command_shows_a_movement_too_where_it_is_fresh():

@@ -43,12 +43,14 @@ void ccgen_capture_begin(const ccgen_layout_t *const layout,
 static bool add(const ccgen_capture_limits_t *const limits, ccgen_capture_t *const capture,
                 const int32_t *const counts) {
     for (uint8_t j = 0; j < limits->sensors; ++j) {
-        const uint32_t limit = (uint32_t)CCGEN_FLASH_INT32(&limits->still[j]);
-        const uint32_t away = (uint32_t)counts[j] - (uint32_t)capture->zero[j];
-        if ((away + limit) > (2u * limit)) {
+        const uint32_t count = (uint32_t)counts[j];
+        const uint32_t zero = (uint32_t)capture->zero[j];
+        const bool is_above = counts[j] >= capture->zero[j];
+        const uint32_t away = is_above ? (count - zero) : (zero - count);
+        if (away > (uint32_t)CCGEN_FLASH_INT32(&limits->still[j])) {
             return false;
         }
-        capture->sum[j] += (away <= limit) ? (int32_t)away : -(int32_t)(0u - away); /* MISRA 10.8 */
+        capture->sum[j] += is_above ? (int32_t)away : -(int32_t)away; /* MISRA 10.8 */
     }
     return true;
 }
