@@ -1,22 +1,12 @@
 /**
  * \file estimator.c
- * \brief Proof driver: the estimator of a joint with checks meets any counts, with any zero offsets
- * and whatever it has left out, without a fault; so do its zeros. It leaves the node to joint.c.
+ * \brief Proof driver: the estimator of a joint that obeys commands meets any counts, with any zero
+ * offsets and whatever its checks have left out, without a fault; so do its zeros. It leaves the
+ * node to node.c.
  */
-#include "port_joint.h"
-#include "watch_any.h"
+#include "joint_any.h"
 
 int main(void);
-
-/** Any state of a joint; its flags are true or false, as C wants them. */
-static void any_joint(port_joint_t *const joint) {
-    Frama_C_make_unknown((char *)joint, sizeof *joint);
-    joint->has_restored = either();
-    joint->watched = either();
-    for (uint8_t k = 0; k < sizeof joint->watch / sizeof joint->watch[0]; ++k) {
-        any_watch(&joint->watch[k]);
-    }
-}
 
 int main(void) {
     port_joint_t joint;

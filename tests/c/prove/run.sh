@@ -1,7 +1,8 @@
 #!/bin/sh
 # Proves with Frama-C's value analysis, for int of 32 and of 16 bits, that the runtime and two
 # exported joints meet any input without undefined behaviour; so do the estimators, fallbacks,
-# checks and zeros of two joints whose sensors contradict each other. Logs go beside the exported folders.
+# checks and zeros of two joints whose sensors contradict each other, and their nodes, which obey
+# commands, with their captures. Logs go beside the exported folders.
 #
 #     tests/c/prove/run.sh CCGEN OUT
 set -eu
@@ -30,6 +31,30 @@ prove() {
     done
 }
 
+# pose_names JOINT: what pose_any.c is told of a joint.
+pose_names() {
+    printf '%s' "-DPOSE_HEADER='\"$1_pose.h\"' -DPOSE_TIP=$1_integer_tip_pose"
+    printf '%s' " -DPOSE_ANGLES=$1_angles_t -DPOSE_TYPE=$1_integer_pose_t"
+}
+
+# prove_capture JOINT FOLDER: the capture of a joint that obeys commands.
+prove_capture() {
+    names="-DCAN_SOURCE='\"$1_can.c\"' -DLAYOUT=$1_layout"
+    # Loops over sensors and what becomes of each are followed apart; relations are not needed.
+    prove "$1-capture" "$2" -eva-precision 0 -eva-slevel 100 -eva-min-loop-unroll 17 \
+        -eva-split-return full "$drivers/capture.c" "$2/src/ccgen/capture.c"
+}
+
+# prove_node JOINT FOLDER NAMES: its node, which rests on estimator, capture and pose.
+prove_node() {
+    names="$(pose_names "$1") -DJOINT=$1 -DLAYOUT=$1_layout $3"
+    # What a command asks for and what became of a capture are followed apart, to each step's end.
+    prove "$1-node" "$2" -eva-interprocedural-splits -eva-min-loop-unroll 17 \
+        -eva-split-return-function "ccgen_command_receive:0:1:2:3,ccgen_capture_take:1:2:4" \
+        "$drivers/node.c" "$drivers/capture_any.c" "$drivers/joint_any.c" "$drivers/pose_any.c" \
+        "$2/src/$1_can.c" "$2/src/ccgen/crc.c"
+}
+
 mkdir -p "$out"
 names=
 for pair in shoulder:ccgen_segments16 spine:ccgen_axis32_segments; do
@@ -40,9 +65,7 @@ for pair in shoulder:ccgen_segments16 spine:ccgen_axis32_segments; do
     upper=$(printf '%s' "$joint" | tr a-z A-Z)
     one=$(sed -n 's/.*rotation\[k\] = .*INT32_C(\([0-9]*\)).*/\1/p' "$folder/src/${joint}_pose.c")
     : "${one:?${joint}_pose.c does not say what 1 is in a rotation}"
-    names="-DPOSE_SOURCE='\"${joint}_pose.c\"' -DPOSE_HEADER='\"${joint}_pose.h\"'"
-    names="$names -DPOSE_TIP=${joint}_integer_tip_pose -DPOSE_ANGLES=${joint}_angles_t"
-    names="$names -DPOSE_TYPE=${joint}_integer_pose_t -DPOSE_ANGLE=${joint}_angle_t"
+    names="$(pose_names "$joint") -DPOSE_SOURCE='\"${joint}_pose.c\"' -DPOSE_ANGLE=${joint}_angle_t"
     names="$names -DSEGMENTS=${upper}_POSE_SEGMENTS -DONE=$one"
     prove "$joint-pose" "$folder" "$drivers/pose.c"
     # The loop over segments is followed turn by turn, up to the most segments.
@@ -77,4 +100,6 @@ for pair in trunk:16 pairs:32; do
     prove "$joint-estimator" "$folder" -eva-min-loop-unroll 17 \
         -eva-use-spec "ccgen_shortened$precision" "$drivers/estimator.c" "$drivers/checked.c" \
         "$folder/src/${joint}_kinematics.c" "$folder/src/${joint}_jacobian.c"
+    prove_capture "$joint" "$folder"
+    prove_node "$joint" "$folder" "-DCHECK_HEADER='\"ccgen/check$precision.h\"'"
 done
