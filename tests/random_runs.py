@@ -93,7 +93,8 @@ def _run(context: Any, folder: Path, seed: int, command: str) -> Run:
     with contextlib.suppress(EOFError):
         if receiver.poll(_WAITS):
             answer = receiver.recv()
-    process.kill()
+    if answer is None:
+        process.kill()
     process.join()
     if answer is None:
         what = f"ended without a status, or was ended after {_HANGS} s of work or {_WAITS} s"

@@ -303,20 +303,23 @@ def somebody(port, look):
 
     A command goes on until they have looked: where they cannot, Ctrl-C ends it.
     """
-    found = []
+    found, over = [], threading.Event()
 
     def go():
         try:
             with viewer(f"http://127.0.0.1:{port}") as batch:
                 found.append(look(batch))
         finally:
-            if not found:
+            if not found and not over.is_set():
                 os.kill(os.getpid(), signal.SIGINT)
 
     looker = threading.Thread(target=go, daemon=True)
     looker.start()
-    yield found
-    looker.join(PATIENCE)
+    try:
+        yield found
+    finally:
+        over.set()
+        looker.join(2 * PATIENCE)
 
 
 def test_a_log_is_shown_from_when_somebody_looks_until_nobody_does(folder, log, hasty, capsys):
